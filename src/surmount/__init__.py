@@ -1,0 +1,1 @@
+"""Surmount: automatic curriculum determination for reinforcement learning."""

@@ -1,0 +1,1 @@
+"""From trials to a curriculum: mixtures, Hellinger distances, clusters, groups, levels."""

@@ -1,0 +1,1 @@
+"""Records passed between stages, errors, seeds, configuration and the artefact store."""

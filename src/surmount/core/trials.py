@@ -1,0 +1,163 @@
+"""Logged trials: the behaviour of one or more policies on the variants of a task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trials:
+    """Trials in columns: one row per trial, and one row per control step of all trials together.
+
+    The steps of trial ``i`` are ``features[starts[i]:starts[i + 1]]``.
+
+    Attributes
+    ----------
+    parameters
+        Names of the task parameters, for example ``("height_mm",)``.
+    feature_names
+        Names of the features with their units, for example ``("time_s", "sprawl_deg")``.
+    variant
+        Task parameters of each trial, shape ``(trial, parameter)``.
+    network
+        Index of the network (independent training run) behind each trial, shape ``(trial,)``.
+    repetition
+        Index of the trial among those of its variant and network, shape ``(trial,)``.
+    success
+        Whether the trial reached its goal, shape ``(trial,)``.
+    starts
+        First step of each trial and, last, the number of steps; shape ``(trial + 1,)``.
+    features
+        One row per control step, shape ``(sample, feature)``.
+    """
+
+    parameters: tuple[str, ...]
+    feature_names: tuple[str, ...]
+    variant: FloatArray
+    network: IntArray
+    repetition: IntArray
+    success: BoolArray
+    starts: IntArray
+    features: FloatArray
+
+    def __post_init__(self) -> None:
+        trials = self.n_trials
+        expected = {
+            "variant": (self.variant.shape, (trials, len(self.parameters))),
+            "network": (self.network.shape, (trials,)),
+            "repetition": (self.repetition.shape, (trials,)),
+            "starts": (self.starts.shape, (trials + 1,)),
+            "features": (self.features.shape, (self.features.shape[0], len(self.feature_names))),
+        }
+        for name, (found, wanted) in expected.items():
+            if found != wanted:
+                raise InputError(
+                    f"Trials: `{name}` has shape {found}, expected {wanted}.",
+                    remedy="Give one row per trial, and one feature row per control step.",
+                )
+        steps = np.diff(self.starts)
+        if trials == 0 or (steps < 1).any() or self.starts[0] != 0:
+            raise InputError(
+                "Trials: every trial needs at least one step, and there must be a trial.",
+                remedy="Drop empty trials; `starts` begins at 0 and increases.",
+            )
+        if self.starts[-1] != self.features.shape[0]:
+            raise InputError(
+                f"Trials: `starts` ends at {self.starts[-1]} but there are "
+                f"{self.features.shape[0]} feature rows.",
+                remedy="Let `starts` end at the number of feature rows.",
+            )
+
+    @property
+    def n_trials(self) -> int:
+        """Number of trials."""
+        return int(self.success.shape[0])
+
+    @property
+    def n_samples(self) -> int:
+        """Number of control steps over all trials."""
+        return int(self.features.shape[0])
+
+    @property
+    def lengths(self) -> IntArray:
+        """Number of control steps of each trial, shape ``(trial,)``."""
+        return np.diff(self.starts)
+
+    def variants(self) -> tuple[FloatArray, IntArray]:
+        """Return the distinct variants in ascending order, and each trial's index into them.
+
+        Returns
+        -------
+        tuple
+            Variants of shape ``(variant, parameter)``, indices of shape ``(trial,)``.
+        """
+        distinct, index = np.unique(self.variant, axis=0, return_inverse=True)
+        return distinct, index.reshape(-1).astype(np.int64)
+
+    def sample_variant(self) -> IntArray:
+        """Return each sample's index into :meth:`variants`, shape ``(sample,)``."""
+        return np.repeat(self.variants()[1], self.lengths)
+
+    def final(self, feature: str) -> FloatArray:
+        """Return a feature's value at the last step of each trial, shape ``(trial,)``."""
+        return self.column(feature)[self.starts[1:] - 1]
+
+    def path_length(self, feature: str) -> FloatArray:
+        """Return Σ|Δ| of a feature over each trial, shape ``(trial,)`` (paper III-D)."""
+        column = self.column(feature)
+        change = np.abs(np.diff(column, prepend=column[:1]))
+        change[self.starts[:-1]] = 0.0
+        return np.add.reduceat(change, self.starts[:-1])
+
+    def column(self, feature: str) -> FloatArray:
+        """Return one feature at every step, shape ``(sample,)``."""
+        if feature not in self.feature_names:
+            raise InputError(
+                f"Trials have no feature `{feature}`.",
+                remedy=f"Choose among {', '.join(self.feature_names)}.",
+            )
+        return self.features[:, self.feature_names.index(feature)]
+
+    def select(self, mask: BoolArray) -> Trials:
+        """Return the trials where ``mask``, of shape ``(trial,)``, is true."""
+        rows = np.repeat(mask, self.lengths)
+        return Trials(
+            parameters=self.parameters,
+            feature_names=self.feature_names,
+            variant=self.variant[mask],
+            network=self.network[mask],
+            repetition=self.repetition[mask],
+            success=self.success[mask],
+            starts=np.concatenate([[0], np.cumsum(self.lengths[mask])]).astype(np.int64),
+            features=self.features[rows],
+        )
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Trials]) -> Trials:
+        """Join trials of the same task family and features, in the order given."""
+        first = parts[0]
+        for part in parts[1:]:
+            if (part.parameters, part.feature_names) != (first.parameters, first.feature_names):
+                raise InputError(
+                    "Trials to join differ in parameters or features: "
+                    f"{(first.parameters, first.feature_names)} and "
+                    f"{(part.parameters, part.feature_names)}.",
+                    remedy="Join only trials of one task family, logged alike.",
+                )
+        lengths = np.concatenate([part.lengths for part in parts])
+        return cls(
+            parameters=first.parameters,
+            feature_names=first.feature_names,
+            variant=np.concatenate([part.variant for part in parts]),
+            network=np.concatenate([part.network for part in parts]),
+            repetition=np.concatenate([part.repetition for part in parts]),
+            success=np.concatenate([part.success for part in parts]),
+            starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
+            features=np.concatenate([part.features for part in parts]),
+        )

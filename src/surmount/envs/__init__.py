@@ -1,0 +1,1 @@
+"""Obstacle courses for RSTAR as Gymnasium environments, single and batched."""

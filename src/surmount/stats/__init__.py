@@ -1,0 +1,1 @@
+"""The paper's statistics (III-E) and intervals over seeds."""

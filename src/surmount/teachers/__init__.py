@@ -1,0 +1,1 @@
+"""Teachers: give task distributions to environments, take outcomes, decide when to advance."""
