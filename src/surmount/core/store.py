@@ -1,0 +1,194 @@
+"""The artefact store: what each finished stage left, addressed by what it was made from.
+
+Layout below the output folder::
+
+    stages/<stage name>/<key>/        the files of one finished stage
+    stages/<stage name>/<key>/manifest.json   stage, key, inputs, and the SHA-256 of every file
+    checkpoints/<stage name>/<key>/   the latest checkpoint of an unfinished stage
+
+A stage's folder appears by one rename when all its files are written, so a folder that exists is
+complete. The key is the hash of everything the stage depends on.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import fcntl
+import os
+import shutil
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from surmount.core.errors import IntegrityError, OutputError
+from surmount.core.records import file_hash, read_record, record_hash, write_record
+
+MANIFEST = "manifest.json"
+SCHEMA = 1
+KEY_LENGTH = 16
+"""Hexadecimal digits of a key that name a folder: 64 bits."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Artefact:
+    """The files of one finished stage.
+
+    Attributes
+    ----------
+    stage
+        Name of the stage, for example ``"initiation/network-0"``.
+    key
+        Hash of what the stage was made from.
+    folder
+        Where the files are.
+    files
+        SHA-256 of each file by its name.
+    """
+
+    stage: str
+    key: str
+    folder: Path
+    files: Mapping[str, str]
+
+    @property
+    def content_hash(self) -> str:
+        """Hash over the names and contents of all files."""
+        return record_hash(dict(self.files))
+
+    def path(self, name: str) -> Path:
+        """Return the path of a file after checking its content against its hash.
+
+        Raises
+        ------
+        IntegrityError
+            If the stage has no such file, or its content does not fit.
+        """
+        path = self.folder / name
+        if name not in self.files:
+            raise IntegrityError(
+                f"Stage `{self.stage}` has no file `{name}` in {self.folder}.",
+                remedy=f"Delete {self.folder} and run again: only this stage is repeated.",
+            )
+        if not path.is_file() or path.is_symlink() or file_hash(path) != self.files[name]:
+            raise IntegrityError(
+                f"{path} was changed or damaged after it was written: its hash does not fit.",
+                remedy=f"Delete {self.folder} and run again: only this stage is repeated.",
+            )
+        return path
+
+
+class ArtefactStore:
+    """Finished stages and checkpoints below one output folder."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def find(self, stage: str, key: str) -> Artefact | None:
+        """Return the finished stage of this key, or ``None`` if it has not been run."""
+        folder = self._stage_folder(stage, key)
+        if not folder.is_dir():
+            return None
+        manifest = read_record(folder / MANIFEST) if (folder / MANIFEST).is_file() else {}
+        files = manifest.get("files")
+        if manifest.get("key") != key or manifest.get("stage") != stage or not _is_index(files):
+            raise IntegrityError(
+                f"{folder / MANIFEST} does not belong to stage `{stage}`.",
+                remedy=f"Delete {folder} and run again: only this stage is repeated.",
+            )
+        return Artefact(stage=stage, key=key, folder=folder, files=dict(manifest["files"]))
+
+    def workspace(self, stage: str, key: str) -> Path:
+        """Return an empty folder to write a stage's files to before :meth:`commit`."""
+        folder = self._stage_folder(stage, key)
+        workspace = folder.with_name(f".{folder.name}.{os.getpid()}.tmp")
+        shutil.rmtree(workspace, ignore_errors=True)
+        workspace.mkdir(parents=True)
+        return workspace
+
+    def commit(
+        self, workspace: Path, stage: str, key: str, *, inputs: Mapping[str, str]
+    ) -> Artefact:
+        """Publish a workspace as the finished stage, and drop the stage's checkpoint."""
+        files = {
+            path.relative_to(workspace).as_posix(): file_hash(path)
+            for path in sorted(workspace.rglob("*"))
+            if path.is_file()
+        }
+        manifest = {
+            "schema": SCHEMA,
+            "stage": stage,
+            "key": key,
+            "inputs": dict(inputs),
+            "files": files,
+        }
+        write_record(workspace / MANIFEST, manifest)
+        folder = self._stage_folder(stage, key)
+        if folder.exists():  # another run finished it meanwhile: the key says it is the same
+            shutil.rmtree(workspace)
+        else:
+            workspace.rename(folder)
+        shutil.rmtree(self.checkpoint_folder(stage, key), ignore_errors=True)
+        return Artefact(stage=stage, key=key, folder=folder, files=files)
+
+    def checkpoint_folder(self, stage: str, key: str) -> Path:
+        """Return the folder for checkpoints of an unfinished stage."""
+        return self.root / "checkpoints" / stage / key[:KEY_LENGTH]
+
+    def _stage_folder(self, stage: str, key: str) -> Path:
+        return self.root / "stages" / stage / key[:KEY_LENGTH]
+
+
+def _is_index(files: Any) -> bool:  # noqa: ANN401 - whatever the JSON file held
+    return isinstance(files, dict) and all(
+        isinstance(name, str) and isinstance(digest, str) and ".." not in Path(name).parts
+        for name, digest in files.items()
+    )
+
+
+@contextlib.contextmanager
+def sole_user(root: Path) -> Generator[None]:
+    """Hold the output folder for one process.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written, or another process is using it.
+    """
+    with output_errors(root):
+        root.mkdir(parents=True, exist_ok=True)
+        lock = (root / ".lock").open("w", encoding="utf-8")
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise OutputError(
+                f"Another process is working in {root}.",
+                remedy="Wait for it to end, stop it, or choose another --out folder.",
+            ) from error
+        yield
+
+
+_OUTPUT_ERRNOS = {
+    errno.ENOSPC: ("is full", "Free some space and run again: finished work is kept."),
+    errno.EDQUOT: ("is over its quota", "Free some space and run again: finished work is kept."),
+    errno.EROFS: ("is read-only", "Choose an --out folder that can be written."),
+    errno.EACCES: ("may not be written", "Choose another --out folder or change its permissions."),
+    errno.EPERM: ("may not be written", "Choose another --out folder or change its permissions."),
+    errno.ENOTDIR: ("is not a folder", "Choose an --out path that is a folder or does not exist."),
+    errno.EEXIST: ("is not a folder", "Choose an --out path that is a folder or does not exist."),
+}
+
+
+@contextlib.contextmanager
+def output_errors(root: Path) -> Generator[None]:
+    """Turn the operating system's refusals to write into an :class:`OutputError`."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in _OUTPUT_ERRNOS:
+            raise
+        what, remedy = _OUTPUT_ERRNOS[error.errno]
+        place = error.filename or root
+        raise OutputError(f"The output folder {root} {what} ({place}).", remedy=remedy) from error
