@@ -1,0 +1,147 @@
+"""The seam between learning and curricula: what a teacher gives and takes.
+
+A teacher gives a distribution of tasks to the environments, is told what each roll-out of the
+learner brought, and says when it is finished. The learner knows teachers only through this
+protocol, and a teacher knows nothing of the learner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.tasks import TaskDistribution
+
+Decision = Literal["advance", "extend", "advance at the limit"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Episodes:
+    """Episodes that ended during a roll-out, in the order in which they ended.
+
+    Attributes
+    ----------
+    step
+        Learning step, counted over all environments together, at which each ended; ``(episode,)``.
+    variant
+        Task of each episode in the parameters' units, ``(episode, parameter)``.
+    reward
+        Sum of unnormalised rewards of each episode, ``(episode,)``.
+    length
+        Decisions in each episode, ``(episode,)``.
+    success
+        Whether each reached its goal, ``(episode,)``.
+    diverged
+        Whether each was ended because the physics diverged, ``(episode,)``.
+    """
+
+    step: IntArray
+    variant: FloatArray
+    reward: FloatArray
+    length: IntArray
+    success: BoolArray
+    diverged: BoolArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RolloutOutcome:
+    """What one roll-out of the learner brought.
+
+    Attributes
+    ----------
+    rewards
+        Unnormalised reward of every learning step in the order of time, ``(step,)``; with several
+        environments, all environments of one moment stand together.
+    episodes
+        Episodes that ended in it.
+    """
+
+    rewards: FloatArray
+    episodes: Episodes
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevelTest:
+    """One test of a level by eq. 5: what was measured and what was decided.
+
+    Attributes
+    ----------
+    level, iteration
+        Counted from 0; iteration 0 is the level's first, of k steps, later ones are extensions.
+    steps
+        Learning steps since the teacher began.
+    first_window, last_window
+        Reward sums over the first and the last W learning steps of the newest iteration, rF, rL.
+    first_gain
+        rL − rF of the level's first iteration.
+    newest_gain
+        rL − rF of the newest iteration.
+    ratio
+        ``newest_gain / first_gain``, or ``None`` where the first gain is not above the floor.
+    threshold
+        The level is passed where the ratio is below it.
+    decision
+        What was decided.
+    sentence
+        The same for people.
+    """
+
+    level: int
+    iteration: int
+    steps: int
+    first_window: float
+    last_window: float
+    first_gain: float
+    newest_gain: float
+    ratio: float | None
+    threshold: float
+    decision: Decision
+    sentence: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TeacherStatus:
+    """Where a teacher stands, for progress displays.
+
+    Attributes
+    ----------
+    label
+        For example ``"level 1 of 3, extension 2"``.
+    steps, planned_steps
+        Learning steps done, and planned as far as known; extensions are added when decided.
+    """
+
+    label: str
+    steps: int
+    planned_steps: int
+
+
+class Teacher(Protocol):
+    """Gives task distributions, takes outcomes, decides when to go on and when to stop."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether training under this teacher is over."""
+        ...
+
+    def status(self) -> TeacherStatus:
+        """Say where the teacher stands."""
+        ...
+
+    def distribution(self) -> TaskDistribution:
+        """Return the distribution from which environments draw their next tasks."""
+        ...
+
+    def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
+        """Take the outcome of a roll-out; return the level test made on it, if one was due."""
+        ...
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return everything needed to go on later, as JSON values."""
+        ...
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on from a state returned by :meth:`state_dict`."""
+        ...

@@ -1,0 +1,57 @@
+"""The teacher without a curriculum: one fixed distribution for a fixed number of steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from surmount.core.tasks import TaskDistribution
+from surmount.core.teacher import RolloutOutcome, TeacherStatus
+
+
+class UniformTeacher:
+    """Initiation and the paper's control: uniform variants throughout (III-C).
+
+    Parameters
+    ----------
+    distribution
+        What environments draw from, usually uniform over the whole range of the task parameters.
+    total_steps
+        Learning steps to train, over all environments. Training ends with the first roll-out
+        that reaches it.
+    label
+        Name for displays.
+    """
+
+    def __init__(
+        self, distribution: TaskDistribution, total_steps: int, *, label: str = "uniform"
+    ) -> None:
+        self._distribution = distribution
+        self._total_steps = total_steps
+        self._label = label
+        self._steps = 0
+
+    @property
+    def finished(self) -> bool:
+        """Whether the steps are used up."""
+        return self._steps >= self._total_steps
+
+    def status(self) -> TeacherStatus:
+        """Say where the teacher stands."""
+        return TeacherStatus(label=self._label, steps=self._steps, planned_steps=self._total_steps)
+
+    def distribution(self) -> TaskDistribution:
+        """Return the fixed distribution."""
+        return self._distribution
+
+    def update_on_rollout(self, outcome: RolloutOutcome) -> None:
+        """Count the steps."""
+        self._steps += outcome.rewards.size
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return the steps done."""
+        return {"steps": self._steps}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on from the steps done."""
+        self._steps = int(state["steps"])
