@@ -1,1 +1,21 @@
 """PPO through Stable-Baselines3, roll-outs and checkpoints."""
+
+from surmount.learn.config import LearnerConfig
+from surmount.learn.history import History
+from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.snapshot import Snapshot
+from surmount.learn.task_env import TaskVectorEnv
+from surmount.learn.trainer import Checkpointing, Trainer, Training
+
+__all__ = [
+    "Actor",
+    "Checkpointing",
+    "History",
+    "LearnerConfig",
+    "RolloutConfig",
+    "Snapshot",
+    "TaskVectorEnv",
+    "Trainer",
+    "Training",
+    "roll_out",
+]

@@ -1,0 +1,186 @@
+"""Roll-outs: a trained network acts on every variant, and its behaviour is logged (II-A)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+import torch
+from stable_baselines3.common.policies import ActorCriticPolicy
+
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.errors import ConfigError, InputError
+from surmount.core.monitor import Interrupted, Monitor, Progress
+from surmount.core.trials import Trials
+from surmount.learn.ppo import ACTIVATIONS
+from surmount.learn.snapshot import Snapshot, policy_weights
+from surmount.learn.task_env import TaskVectorEnv
+
+CLIP_OBSERVATION = 10.0
+"""Standardised observations are clipped as in training (Stable-Baselines3's default)."""
+EPSILON = 1e-8
+"""Added to the variance when standardising, as in training (Stable-Baselines3's default)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RolloutConfig:
+    """Repeated trials of a network on every variant (paper II-A, III-D)."""
+
+    repetitions: int = 30
+    """Trials per variant and network (paper III-C, III-D)."""
+
+    deterministic: bool = False
+    """Act by the mean of the policy instead of drawing from it. From one fixed start pose a
+    deterministic policy repeats a single trial, so the default draws (assumed)."""
+
+    def __post_init__(self) -> None:
+        if self.repetitions < 1:
+            raise ConfigError(
+                f"`repetitions` is {self.repetitions}.", remedy="Give at least one trial."
+            )
+
+
+class Actor:
+    """A network that acts: observations in, Gaussian actions out, no learning.
+
+    Parameters
+    ----------
+    network
+        Snapshot of a trained network.
+    observation_space, action_space
+        Spaces of a single environment.
+    """
+
+    def __init__(
+        self,
+        network: Snapshot,
+        observation_space: gymnasium.Space[Any],
+        action_space: gymnasium.spaces.Box,
+    ) -> None:
+        record = network.record
+        self._policy = ActorCriticPolicy(
+            observation_space,
+            action_space,
+            lambda _: 0.0,
+            net_arch=list(record["hidden_layers"]),
+            activation_fn=ACTIVATIONS[record["activation"]],
+        )
+        try:
+            self._policy.load_state_dict(policy_weights(network.tensors))
+        except RuntimeError as error:
+            raise InputError(
+                f"The network does not fit the environment ({error}).",
+                remedy="Use it with the obstacle and configuration it was trained on.",
+            ) from error
+        self._policy.set_training_mode(False)
+        self._space = action_space
+        self._statistics: Mapping[str, np.ndarray] | None = None
+        if record["normalise_observations"]:
+            self._statistics = network.tensors
+
+    def act(self, observations: FloatArray, noise: FloatArray | None) -> FloatArray:
+        """Return actions, clipped to the action space.
+
+        Parameters
+        ----------
+        observations
+            Shape ``(env, observation)``.
+        noise
+            Standard normal numbers, shape ``(env, action)``, scaled by the policy's standard
+            deviation; ``None`` for the policy's mean.
+        """
+        with torch.no_grad():
+            inputs = torch.from_numpy(self._standardise(observations))
+            distribution: Any = self._policy.get_distribution(inputs).distribution
+            actions = distribution.mean.numpy()
+            if noise is not None:
+                actions = actions + distribution.stddev.numpy() * noise
+        return np.clip(actions, self._space.low, self._space.high)
+
+    def _standardise(self, observations: FloatArray) -> np.ndarray:
+        if self._statistics is None:
+            return observations.astype(np.float32)
+        mean = self._statistics["normaliser/observation/mean"]
+        variance = self._statistics["normaliser/observation/var"]
+        scaled = (observations - mean) / np.sqrt(variance + EPSILON)
+        return np.clip(scaled, -CLIP_OBSERVATION, CLIP_OBSERVATION).astype(np.float32)
+
+
+def roll_out(
+    env: TaskVectorEnv,
+    actor: Actor,
+    variants: FloatArray,
+    config: RolloutConfig,
+    *,
+    network: int,
+    seed: int,
+    monitor: Monitor,
+) -> Trials:
+    """Run every trial of one network at once and log its features at every control step.
+
+    Parameters
+    ----------
+    env
+        Environments without automatic reset, one per trial: ``variants x repetitions``. A trial
+        that has ended is not simulated any further.
+    actor
+        The network that acts.
+    variants
+        Tasks in the parameters' units, shape ``(variant, parameter)``.
+    config
+        Repetitions and kind of action.
+    network
+        Index of the network, kept in the trials.
+    seed
+        Seed of environments and actions.
+    monitor
+        Shown the number of trials ended.
+
+    Raises
+    ------
+    Interrupted
+        If the monitor asked to stop; roll-outs are repeated from their start.
+    """
+    variant = np.repeat(variants, config.repetitions, axis=0)
+    trials = variant.shape[0]
+    if env.num_envs != trials:
+        raise ConfigError(
+            f"{trials} trials need as many environments, not {env.num_envs}.",
+            remedy="Build the environments for variants x repetitions.",
+        )
+    rng = np.random.default_rng(seed)
+    actions_shape = (trials, *(env.single_action_space.shape or ()))
+    observations, infos = env.reset(seed=seed, options={"variant": variant, "start": "fixed"})
+    active = np.ones(trials, dtype=np.bool_)
+    success = np.zeros(trials, dtype=np.bool_)
+    rows: list[FloatArray] = [infos["features"].copy()]
+    owners: list[IntArray] = [np.arange(trials)]
+    while active.any():
+        if monitor.should_stop():
+            raise Interrupted
+        # Noise is drawn for ended trials too, so that a trial's numbers do not depend on others.
+        noise = None if config.deterministic else rng.standard_normal(actions_shape)
+        observations, _, terminated, truncated, infos = env.step(actor.act(observations, noise))
+        owner = np.flatnonzero(active)
+        owners.append(owner)
+        rows.append(infos["features"][owner].copy())
+        done: BoolArray = active & (terminated | truncated)
+        success[done] = infos["is_success"][done]
+        active &= ~done
+        ended = trials - int(active.sum())
+        monitor.progress(Progress(label="trials", done=ended, planned=trials, unit="trials"))
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return Trials(
+        parameters=tuple(env.task_parameters),
+        feature_names=tuple(env.feature_names),
+        variant=variant,
+        network=np.full(trials, network, dtype=np.int64),
+        repetition=np.tile(np.arange(config.repetitions), len(variants)),
+        success=success,
+        starts=np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=trials))]),
+        features=np.concatenate(rows)[order],
+    )

@@ -1,0 +1,125 @@
+"""Networks on disk: weights, optimiser and normalisation in one safetensors file, no pickle.
+
+The file's tensors are named ``policy/…``, ``optimiser/<parameter>/…`` and ``normaliser/…``; its
+metadata hold a JSON record with the architecture, so that a snapshot can be used on its own.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
+from stable_baselines3 import PPO
+from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.vec_env import VecNormalize
+
+from surmount.core.errors import InputError
+from surmount.core.records import canonical_json, write_atomically
+
+Tensors = dict[str, np.ndarray]
+SCHEMA = 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Snapshot:
+    """Everything that is carried from one stage of training to the next.
+
+    Attributes
+    ----------
+    tensors
+        Weights, optimiser moments and normalisation statistics by name.
+    record
+        Architecture and whatever else the writer recorded, as JSON values.
+    """
+
+    tensors: Mapping[str, np.ndarray]
+    record: Mapping[str, Any]
+
+    def save(self, path: Path) -> None:
+        """Write one file, atomically."""
+        tensors = {name: np.asarray(array, order="C") for name, array in self.tensors.items()}
+        metadata = {"surmount": canonical_json({"schema": SCHEMA, **self.record})}
+        write_atomically(path, save(tensors, metadata))
+
+    @classmethod
+    def load(cls, path: Path) -> Snapshot:
+        """Read a file written by :meth:`save`.
+
+        Raises
+        ------
+        InputError
+            If the file is missing, damaged, or was not written by Surmount.
+        """
+        try:
+            with safe_open(path, framework="numpy") as file:
+                metadata = cast("dict[str, str]", file.metadata() or {})
+                tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            record = json.loads(metadata["surmount"])
+        except (OSError, SafetensorError, KeyError, ValueError) as error:
+            raise InputError(
+                f"{path} is not a network written by Surmount ({error}).",
+                remedy="Give a `network.safetensors`; if it was damaged, delete its folder and "
+                "run again.",
+            ) from error
+        if record.pop("schema", None) != SCHEMA:
+            raise InputError(
+                f"{path} was written in another format version.",
+                remedy="Read it with the version of Surmount that wrote it.",
+            )
+        return cls(tensors=tensors, record=record)
+
+
+def take(model: PPO, normaliser: VecNormalize) -> Tensors:
+    """Return copies of a model's weights, optimiser state and normalisation statistics."""
+    tensors = {
+        f"policy/{name}": value.detach().numpy().copy()
+        for name, value in model.policy.state_dict().items()
+    }
+    for index, moments in model.policy.optimizer.state_dict()["state"].items():
+        for name, value in moments.items():
+            tensors[f"optimiser/{index}/{name}"] = torch.as_tensor(value).numpy().copy()
+    for name, statistics in _statistics(normaliser).items():
+        tensors[f"normaliser/{name}/mean"] = np.asarray(statistics.mean, dtype=np.float64)
+        tensors[f"normaliser/{name}/var"] = np.asarray(statistics.var, dtype=np.float64)
+        tensors[f"normaliser/{name}/count"] = np.asarray(statistics.count, dtype=np.float64)
+    return tensors
+
+
+def put(tensors: Mapping[str, np.ndarray], model: PPO, normaliser: VecNormalize) -> None:
+    """Give a model the weights, optimiser state and normalisation statistics taken before."""
+    model.policy.load_state_dict(policy_weights(tensors))
+    optimiser = model.policy.optimizer.state_dict()
+    moments: dict[int, dict[str, torch.Tensor]] = {}
+    for name, value in tensors.items():
+        if name.startswith("optimiser/"):
+            _, index, moment = name.split("/")
+            moments.setdefault(int(index), {})[moment] = torch.from_numpy(value.copy())
+    model.policy.optimizer.load_state_dict({**optimiser, "state": moments})
+    for name, statistics in _statistics(normaliser).items():
+        statistics.mean = tensors[f"normaliser/{name}/mean"].copy()
+        statistics.var = tensors[f"normaliser/{name}/var"].copy()
+        statistics.count = float(tensors[f"normaliser/{name}/count"])
+
+
+def policy_weights(tensors: Mapping[str, np.ndarray]) -> dict[str, torch.Tensor]:
+    """Return the weights of the policy as PyTorch wants them."""
+    prefix = "policy/"
+    return {
+        name.removeprefix(prefix): torch.from_numpy(value.copy())
+        for name, value in tensors.items()
+        if name.startswith(prefix)
+    }
+
+
+def _statistics(normaliser: VecNormalize) -> dict[str, RunningMeanStd]:
+    statistics: dict[str, RunningMeanStd] = {"reward": normaliser.ret_rms}
+    if normaliser.norm_obs:
+        statistics["observation"] = cast("RunningMeanStd", normaliser.obs_rms)
+    return statistics

@@ -1,0 +1,249 @@
+"""Training under a teacher, roll-out by roll-out, with checkpoints that go on bit-identically."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.logger import Logger, configure
+from stable_baselines3.common.utils import set_random_seed
+from stable_baselines3.common.vec_env import VecNormalize
+
+from surmount.core.errors import LearningError
+from surmount.core.monitor import Interrupted, Monitor, Progress
+from surmount.core.teacher import LevelTest, RolloutOutcome, Teacher
+from surmount.learn import snapshot
+from surmount.learn.config import LearnerConfig
+from surmount.learn.history import History
+from surmount.learn.ppo import ResumablePPO
+from surmount.learn.snapshot import Snapshot, Tensors
+from surmount.learn.task_env import Recorder, TaskVectorEnv
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Training:
+    """The outcome of training under one teacher.
+
+    Attributes
+    ----------
+    network
+        Weights, optimiser and normalisation at the end.
+    history
+        One row per roll-out and one per episode.
+    tests
+        Level tests made on the way.
+    """
+
+    network: Snapshot
+    history: History
+    tests: tuple[LevelTest, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checkpointing:
+    """Where and how often training saves itself.
+
+    Attributes
+    ----------
+    path
+        The checkpoint file, overwritten atomically each time.
+    interval_steps
+        Learning steps between checkpoints; the first roll-out that passes it saves.
+    """
+
+    path: Path
+    interval_steps: int
+
+
+class Trainer:
+    """PPO of Stable-Baselines3 on one vector environment, under one teacher.
+
+    Parameters
+    ----------
+    env
+        Environments to learn in.
+    teacher
+        Gives the task distribution and decides when training is over.
+    config
+        Hyper-parameters.
+    seed
+        Seed of the environments, of exploration and of the order of batches; also of the initial
+        weights where no ``start`` is given.
+    start
+        Weights, optimiser and normalisation to begin from.
+    log_folder
+        Where TensorBoard files go; none are written if ``None``.
+    """
+
+    def __init__(
+        self,
+        env: TaskVectorEnv,
+        teacher: Teacher,
+        config: LearnerConfig,
+        *,
+        seed: int,
+        start: Snapshot | None = None,
+        log_folder: Path | None = None,
+    ) -> None:
+        self._recorder = Recorder(env)
+        self._normaliser = VecNormalize(
+            self._recorder,
+            norm_obs=config.normalise_observations,
+            norm_reward=config.normalise_rewards,
+            gamma=config.discount,
+        )
+        self._teacher = teacher
+        self._config = config
+        self._model = ResumablePPO.build(self._normaliser, config, seed)
+        if start is not None:
+            snapshot.put(start.tensors, self._model, self._normaliser)
+            set_random_seed(seed)
+        self._model.set_logger(_logger(log_folder))
+        self._history = History(parameters=env.task_parameters)
+        self._tests: list[LevelTest] = []
+
+    def run(self, monitor: Monitor, checkpointing: Checkpointing | None = None) -> Training:
+        """Train until the teacher is finished.
+
+        Raises
+        ------
+        Interrupted
+            If the monitor asked to stop; the checkpoint then holds everything done so far.
+        LearningError
+            If the network's weights are no longer finite.
+        """
+        saved_at = self._resume(checkpointing, monitor)
+        self._push_distribution()
+        while not self._teacher.finished:
+            if monitor.should_stop():
+                self._save(checkpointing)
+                raise Interrupted
+            self._learn_one_rollout()
+            outcome = self._recorder.collect()
+            test = self._teacher.update_on_rollout(outcome)
+            self._history.add(outcome, label=self._teacher.status().label)
+            self._report(monitor, outcome, test)
+            self._push_distribution()
+            if checkpointing and self._recorder.steps - saved_at >= checkpointing.interval_steps:
+                self._save(checkpointing)
+                saved_at = self._recorder.steps
+        return Training(
+            network=Snapshot(
+                tensors=snapshot.take(self._model, self._normaliser), record=self._architecture()
+            ),
+            history=self._history,
+            tests=tuple(self._tests),
+        )
+
+    def _learn_one_rollout(self) -> None:
+        self._model.learn(self._config.steps_per_rollout, reset_num_timesteps=False, log_interval=1)
+        if not all(torch.isfinite(weight).all() for weight in self._model.policy.parameters()):
+            raise LearningError(
+                f"The network's weights are no longer finite after {self._recorder.steps:,} steps.",
+                remedy="Lower `learner.learning_rate` or `learner.max_gradient_norm`; the last "
+                "checkpoint is from before the failure.",
+            )
+
+    def _push_distribution(self) -> None:
+        if not self._teacher.finished:
+            self._recorder.env.set_task_distribution(self._teacher.distribution())
+
+    def _report(self, monitor: Monitor, outcome: RolloutOutcome, test: LevelTest | None) -> None:
+        status = self._teacher.status()
+        values = self._history.latest()
+        logger = self._model.logger
+        for name, value in values.items():
+            logger.record(f"surmount/{name}", value)
+        if test is not None:
+            self._tests.append(test)
+            monitor.log(test.sentence)
+            logger.record("curriculum/level", test.level + 1)
+            logger.record("curriculum/first_gain", test.first_gain)
+            logger.record("curriculum/newest_gain", test.newest_gain)
+            if test.ratio is not None:
+                logger.record("curriculum/eq5_ratio", test.ratio)
+            values |= {"eq. 5": test.newest_gain if test.ratio is None else test.ratio}
+        diverged = int(outcome.episodes.diverged.sum())
+        if diverged:
+            monitor.log(f"{diverged} episode(s) ended because the physics diverged")
+        monitor.progress(
+            Progress(
+                label=status.label, done=status.steps, planned=status.planned_steps, values=values
+            )
+        )
+
+    def _architecture(self) -> dict[str, Any]:
+        return {
+            "hidden_layers": list(self._config.hidden_layers),
+            "activation": self._config.activation,
+            "normalise_observations": self._config.normalise_observations,
+        }
+
+    def _save(self, checkpointing: Checkpointing | None) -> None:
+        if checkpointing is None or not self._model.has_begun:
+            return
+        arrays: Tensors = {}
+        state = {
+            "recorder": self._recorder.state_dict(),
+            "history": self._history.state_dict(),
+            "loop": self._model.loop_state() | {"returns": self._normaliser.returns},
+            "teacher": self._teacher.state_dict(),
+            "tests": [vars(test) for test in self._tests],
+        }
+        record = _split(state, "state", arrays)
+        tensors = snapshot.take(self._model, self._normaliser) | arrays
+        Snapshot(tensors=tensors, record=record).save(checkpointing.path)
+
+    def _resume(self, checkpointing: Checkpointing | None, monitor: Monitor) -> int:
+        """Go on from the checkpoint, if there is one, and return the steps done in it."""
+        if checkpointing is None or not checkpointing.path.exists():
+            return 0
+        saved = Snapshot.load(checkpointing.path)
+        state = _join(saved.record, "state", saved.tensors)
+        snapshot.put(saved.tensors, self._model, self._normaliser)
+        self._recorder.load_state_dict(state["recorder"])
+        self._history.load_state_dict(state["history"])
+        self._teacher.load_state_dict(state["teacher"])
+        self._tests = [LevelTest(**test) for test in state["tests"]]
+        self._normaliser.returns = state["loop"]["returns"]
+        self._model.load_loop_state(state["loop"])
+        monitor.log(f"went on from the checkpoint at {self._recorder.steps:,} steps")
+        return self._recorder.steps
+
+
+def _logger(folder: Path | None) -> Logger:
+    if folder is None:
+        return configure(None, [])
+    folder.mkdir(parents=True, exist_ok=True)
+    return configure(str(folder), ["tensorboard"])
+
+
+def _split(state: Mapping[str, Any], prefix: str, arrays: Tensors) -> dict[str, Any]:
+    """Move the arrays of a state into ``arrays`` and return what remains, fit for JSON."""
+    rest: dict[str, Any] = {}
+    for name, value in state.items():
+        if isinstance(value, np.ndarray):
+            arrays[f"{prefix}/{name}"] = value
+        elif isinstance(value, Mapping):
+            rest[name] = _split(value, f"{prefix}/{name}", arrays)
+        else:
+            rest[name] = value
+    return json.loads(json.dumps(rest))
+
+
+def _join(rest: Mapping[str, Any], prefix: str, arrays: Mapping[str, Any]) -> dict[str, Any]:
+    """Put a state together again that :func:`_split` took apart."""
+    state = {
+        name: _join(value, f"{prefix}/{name}", arrays) if isinstance(value, dict) else value
+        for name, value in rest.items()
+    }
+    for name, array in arrays.items():
+        folder, _, leaf = name.rpartition("/")
+        if folder == prefix:
+            state[leaf] = array.copy()
+    return state
