@@ -1,1 +1,32 @@
 """Surmount: automatic curriculum determination for reinforcement learning."""
+
+from surmount.analysis import (
+    Analysis,
+    AnalysisConfig,
+    determine_curriculum,
+    fit_mixture,
+    hellinger,
+    hellinger_matrix,
+)
+from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.core.errors import SurmountError
+from surmount.core.mixture import Mixture
+from surmount.core.tasks import TaskDistribution
+from surmount.core.trials import Trials
+
+__all__ = [
+    "Analysis",
+    "AnalysisConfig",
+    "Box",
+    "Curriculum",
+    "Group",
+    "Level",
+    "Mixture",
+    "SurmountError",
+    "TaskDistribution",
+    "Trials",
+    "determine_curriculum",
+    "fit_mixture",
+    "hellinger",
+    "hellinger_matrix",
+]

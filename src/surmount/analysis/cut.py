@@ -1,0 +1,140 @@
+"""Where to cut the dendrogram into groups: "divisions for which similarities change abruptly"."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.dendrogram import Dendrogram
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+
+DEFAULT_CUT_OFF = {"abrupt": 1.8, "inconsistency": 2.4}
+"""Cut-offs where the configuration gives none; measured in ``docs/adr/0010-cut-rule.md``."""
+_SMALLEST_GAP = 1e-3
+"""Gaps below this are no change at all: identical recordings must not make all else abrupt."""
+_LARGEST_DISTANCE = 1.0 - 1e-9
+"""Larger distances mean that nothing overlaps; how little is beyond the estimate."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cut:
+    """Groups of variants as the dendrogram's links divide them, before small ones are merged.
+
+    Attributes
+    ----------
+    method, cut_off
+        The rule, and its threshold; 0 for rules without one.
+    statistic
+        The rule's measure of each link, shape ``(link,)``: the larger, the more abrupt.
+    divided
+        Which links divide, shape ``(link,)``; a link above a divided link is cut with it.
+    labels
+        Group of each variant, shape ``(variant,)``.
+    """
+
+    method: str
+    cut_off: float
+    statistic: FloatArray
+    divided: BoolArray
+    labels: IntArray
+
+
+def cut_dendrogram(dendrogram: Dendrogram, distances: FloatArray, config: AnalysisConfig) -> Cut:
+    """Cut a dendrogram by the configured rule."""
+    cut_off = config.cut_off or DEFAULT_CUT_OFF.get(config.cut, 0.0)
+    if config.cut == "abrupt":
+        statistic = abruptness(dendrogram, distances)
+        divided = statistic > cut_off
+    elif config.cut == "inconsistency":
+        statistic = dendrogram.inconsistency(config.inconsistency_depth)
+        divided = statistic > cut_off
+    else:
+        statistic = dendrogram.heights.copy()
+        if config.cut == "largest gap":
+            n_groups = count_by_largest_gap(dendrogram)
+        elif config.cut == "silhouette":
+            n_groups = count_by_silhouette(dendrogram, distances)
+        else:
+            n_groups = min(config.group_count, dendrogram.n_leaves)
+        divided = np.arange(dendrogram.links.shape[0]) >= dendrogram.n_leaves - n_groups
+    return Cut(
+        method=config.cut,
+        cut_off=cut_off,
+        statistic=statistic,
+        divided=divided,
+        labels=dendrogram.labels(divided),
+    )
+
+
+def abruptness(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
+    """Return how many times wider the gap at each link is than the gaps at the links below it.
+
+    The gap at a link is the smallest :func:`separation` between a variant on its one side and a
+    variant on the other: behaviour that drifts steadily from variant to variant crosses gaps of
+    one size, and an abrupt change crosses a wide one. The mean runs over all links below, so the
+    measure does not depend on the size of the family, and hardly on the linkage.
+
+    Parameters
+    ----------
+    dendrogram
+        The clustering.
+    distances
+        Hellinger distances, shape ``(variant, variant)``.
+
+    Returns
+    -------
+    FloatArray
+        Shape ``(link,)``; 0 for links of two variants, which have no links below.
+    """
+    apart = separation(distances)
+    gaps = np.zeros(dendrogram.links.shape[0])
+    result = np.zeros_like(gaps)
+    for link in range(gaps.size):
+        left, right = (dendrogram.leaves(child) for child in dendrogram.children(link))
+        gaps[link] = apart[np.ix_(left, right)].min()
+        below = dendrogram.links_below(link)
+        if below.size:
+            result[link] = gaps[link] / max(float(gaps[below].mean()), _SMALLEST_GAP)
+    return result
+
+
+def separation(distances: FloatArray) -> FloatArray:
+    """Return √(−ln(1 − D²)): for two Gaussians of one covariance, proportional to their shift.
+
+    The Hellinger distance itself levels off at 1, so that differences far beyond the noise look
+    hardly larger than the noise; this scale does not level off.
+    """
+    return np.sqrt(-np.log1p(-np.square(np.minimum(distances, _LARGEST_DISTANCE))))
+
+
+def count_by_largest_gap(dendrogram: Dendrogram) -> int:
+    """Return the number of groups that the largest gap between neighbouring heights leaves."""
+    gaps = np.diff(dendrogram.heights)
+    return 1 if gaps.size == 0 else dendrogram.n_leaves - 1 - int(np.argmax(gaps))
+
+
+def count_by_silhouette(dendrogram: Dendrogram, distances: FloatArray) -> int:
+    """Return the number of groups, at least 2, of the largest mean silhouette."""
+    n = dendrogram.n_leaves
+    best, best_value = 1, -np.inf
+    for n_groups in range(2, n):
+        divided = np.arange(n - 1) >= n - n_groups
+        value = mean_silhouette(distances, dendrogram.labels(divided))
+        if value > best_value:
+            best, best_value = n_groups, value
+    return best
+
+
+def mean_silhouette(distances: FloatArray, labels: IntArray) -> float:
+    """Return the mean silhouette of a grouping (Rousseeuw 1987); groups of one count 0."""
+    members = np.eye(int(labels.max()) + 1)[labels]  # (variant, group)
+    sizes = members.sum(axis=0)
+    sums = distances @ members
+    own = sums[np.arange(labels.size), labels] / np.maximum(sizes[labels] - 1, 1)
+    others = np.where(members > 0, np.inf, sums / sizes)
+    nearest = others.min(axis=1)
+    top = np.maximum(own, nearest)
+    values = np.where((sizes[labels] > 1) & (top > 0), (nearest - own) / np.maximum(top, 1e-300), 0)
+    return float(values.mean())

@@ -1,0 +1,165 @@
+"""From trials to a curriculum: the whole analysis on one screen (paper II-B, fig. 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surmount.analysis.cells import group_boxes
+from surmount.analysis.component_count import BICCurve
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.cut import cut_dendrogram
+from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.features import VariantSamples, variant_samples
+from surmount.analysis.fitting import Prepared, affordable_components, bic_curve, mixture_of
+from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
+from surmount.analysis.hellinger import hellinger_matrix
+from surmount.analysis.levels import build_levels
+from surmount.analysis.result import Analysis
+from surmount.analysis.stability import assess_stability
+from surmount.analysis.warnings import analysis_warnings
+from surmount.core.curriculum import Curriculum, Group
+from surmount.core.errors import InputError
+from surmount.core.mixture import Mixture
+from surmount.core.seeds import derive_seed, generator
+from surmount.core.trials import Trials
+
+
+def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -> Analysis:
+    """Determine a curriculum from trials on the variants of a task.
+
+    One mixture per variant (eq. 2, 3), Hellinger distances (eq. 1), agglomerative clustering, a
+    cut into groups, small groups merged, groups ranked by success, and one level per group that
+    does not yet succeed (eq. 4). The result is a function of the trials, in any order, and the
+    configuration.
+
+    Parameters
+    ----------
+    trials
+        Trials on at least two variants.
+    config
+        Choices; defaults where absent.
+
+    Returns
+    -------
+    Analysis
+        The curriculum with every number that led to it.
+
+    Raises
+    ------
+    InputError
+        If there is only one variant, a variant has too few samples, a feature is unknown, not
+        finite, or no feature varies.
+    """
+    settings = config or AnalysisConfig()
+    data = variant_samples(trials, settings)
+    hardest = _bic_variant(data, settings)
+    prepared = [Prepared(samples) for samples in data.samples]
+    seed = derive_seed(settings.seed, "mixtures")
+
+    curves: list[BICCurve] = []
+    if not settings.components:
+        chosen = range(len(prepared)) if settings.components_per_variant else [hardest]
+        curves = [bic_curve(prepared[variant], settings, seed) for variant in chosen]
+    fits = []
+    mixtures: list[Mixture] = []
+    for variant, samples in enumerate(prepared):
+        curve = curves[variant] if settings.components_per_variant and curves else None
+        common = curve or (curves[0] if curves else None)
+        wanted = common.chosen if common else settings.components
+        wanted = min(wanted, affordable_components(samples.n_samples, settings))
+        fit = samples.fit(wanted, settings, seed)
+        fits.append(fit.components)
+        mixtures.append(mixture_of(fit, data.features.scaling, settings, wanted))
+
+    distances = hellinger_matrix(mixtures)
+    dendrogram = build_dendrogram(distances, settings.linkage)
+    cut = cut_dendrogram(dendrogram, distances, settings)
+    limit = small_limit(len(mixtures), settings)
+    labels, merges = merge_small(cut.labels, dendrogram, distances, limit)
+    members, rates = rank_groups(labels, data.success_rate)
+    names = group_names(len(members))
+    for rank, group in enumerate(members):
+        labels[group] = rank
+    curriculum = Curriculum(
+        parameters=trials.parameters,
+        groups=tuple(
+            Group(
+                name=name,
+                variants=data.variants[group],
+                success_rate=rate,
+                boxes=group_boxes(data.variants, group, settings.bounds),
+            )
+            for name, group, rate in zip(names, members, rates, strict=True)
+        ),
+        levels=build_levels(names, rates, settings),
+        success_threshold=settings.success_threshold,
+    )
+    stability = None
+    if settings.bootstrap:
+        stability = assess_stability(trials, data, tuple(fits), labels, settings)
+    recorded, sampled = _scatter(data, mixtures[hardest], hardest, settings)
+    analysis = Analysis(
+        config=settings,
+        parameters=trials.parameters,
+        features=data.features,
+        variants=data.variants,
+        success_rate=data.success_rate,
+        n_trials=data.n_trials,
+        n_recorded=data.n_recorded,
+        stride=data.stride,
+        bic_variant=hardest,
+        bic=_curve_of(curves, hardest, settings),
+        bic_per_variant=tuple(curves) if settings.components_per_variant else (),
+        mixtures=tuple(mixtures),
+        distances=distances,
+        linkage=dendrogram.links,
+        inconsistency=dendrogram.inconsistency(settings.inconsistency_depth),
+        inconsistency_depth_2=dendrogram.inconsistency(2),
+        cut=cut,
+        merges=merges,
+        labels=labels,
+        curriculum=curriculum,
+        recorded=recorded,
+        sampled=sampled,
+        stability=stability,
+        warnings=(),
+    )
+    return analysis_warnings(analysis)
+
+
+def _bic_variant(data: VariantSamples, config: AnalysisConfig) -> int:
+    """Return the variant on which K is chosen: the named one, or the lowest success.
+
+    Of several with the lowest success, the one with the most samples.
+    """
+    if config.bic_variant:
+        wanted = np.asarray(config.bic_variant)
+        if wanted.size == data.variants.shape[1]:
+            matches = np.isclose(data.variants, wanted, rtol=1e-9).all(axis=1)
+            if matches.any():
+                return int(np.flatnonzero(matches)[0])
+        known = ", ".join(f"{variant.tolist()}" for variant in data.variants[:5])
+        raise InputError(
+            f"`bic_variant` {list(config.bic_variant)} is not among the recorded variants.",
+            remedy=f"Name a recorded variant, such as {known}.",
+        )
+    lowest = np.flatnonzero(data.success_rate == data.success_rate.min())
+    sizes = [data.samples[variant].shape[0] for variant in lowest]
+    return int(lowest[int(np.argmax(sizes))])
+
+
+def _curve_of(curves: list[BICCurve], hardest: int, config: AnalysisConfig) -> BICCurve | None:
+    if not curves:
+        return None
+    return curves[hardest] if config.components_per_variant else curves[0]
+
+
+def _scatter(
+    data: VariantSamples, mixture: Mixture, variant: int, config: AnalysisConfig
+) -> tuple[np.ndarray, np.ndarray]:
+    samples = data.samples[variant]
+    rng = generator(config.seed, "scatter")
+    size = min(config.scatter_samples, samples.shape[0])
+    rows = np.sort(rng.choice(samples.shape[0], size=size, replace=False))
+    scaling = data.features.scaling
+    return samples[rows] * scaling.scale + scaling.centre, mixture.sample(rng, size)

@@ -1,0 +1,169 @@
+"""How sure the grouping is: the same analysis on trials drawn again (bootstrap)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.cut import cut_dendrogram
+from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.expectation_maximisation import Components, expand, maximise_likelihood
+from surmount.analysis.features import VariantSamples
+from surmount.analysis.groups import merge_small, small_limit
+from surmount.analysis.hellinger import hellinger_matrix
+from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.mixture import Mixture
+from surmount.core.seeds import generator
+from surmount.core.trials import Trials
+
+_REFIT_ITERATIONS = 10
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stability:
+    """What became of the grouping when networks and trials were drawn again.
+
+    Attributes
+    ----------
+    replicates
+        How many times they were drawn.
+    co_membership
+        Share of replicates in which two variants are in one group, shape ``(variant, variant)``.
+    group_counts
+        Numbers of groups that occurred, each with its share of replicates, most frequent first.
+    same_count
+        Share of replicates with as many groups as the analysis itself.
+    boundaries
+        For each variant but the last, the share of replicates in which the next variant in
+        ascending order is in another group, shape ``(variant - 1,)``.
+    agreement
+        Mean share of pairs of variants on which a replicate and the analysis agree whether they
+        belong together (Rand index).
+    """
+
+    replicates: int
+    co_membership: FloatArray
+    group_counts: tuple[tuple[int, float], ...]
+    same_count: float
+    boundaries: FloatArray
+    agreement: float
+
+
+def assess_stability(
+    trials: Trials,
+    data: VariantSamples,
+    fits: tuple[Components, ...],
+    labels: IntArray,
+    config: AnalysisConfig,
+) -> Stability:
+    """Repeat the grouping on networks and trials drawn with replacement.
+
+    Each replicate draws networks, and for every variant as many trials as it has of them, refits
+    each mixture from where the analysis ended (at most ten iterations, on at most
+    ``bootstrap_samples`` control steps per variant), and groups as the analysis did. Starting
+    from the analysis's own fits leaves out the chance of the starts. With a single network only
+    trials are drawn, and nothing is said about another training run.
+
+    Parameters
+    ----------
+    trials
+        The trials of the analysis.
+    data
+        Its samples.
+    fits
+        Its mixtures over standardised features, one per variant.
+    labels
+        Its groups, shape ``(variant,)``.
+    config
+        Its configuration.
+    """
+    n_variants = data.variants.shape[0]
+    prepared = [_thin(data, fits, variant, config) for variant in range(n_variants)]
+    together = np.zeros((n_variants, n_variants))
+    counts: dict[int, int] = {}
+    agreement = 0.0
+    same = labels[:, None] == labels
+    pairs = np.triu_indices(n_variants, 1)
+    for replicate in range(config.bootstrap):
+        rng = generator(config.seed, "bootstrap", replicate)
+        weights = _resampled(trials, rng)
+        mixtures = [
+            _refit(phi, start, weights[origin].astype(np.float64), config)
+            for phi, start, origin in prepared
+        ]
+        groups = _grouping(mixtures, config)
+        co_members = groups[:, None] == groups
+        together += co_members
+        agreement += float((co_members[pairs] == same[pairs]).mean())
+        n_groups = int(groups.max()) + 1
+        counts[n_groups] = counts.get(n_groups, 0) + 1
+    together /= config.bootstrap
+    shares = sorted(
+        ((count, times / config.bootstrap) for count, times in counts.items()),
+        key=lambda entry: (-entry[1], entry[0]),
+    )
+    neighbours = np.arange(n_variants - 1)
+    return Stability(
+        replicates=config.bootstrap,
+        co_membership=together,
+        group_counts=tuple(shares),
+        same_count=counts.get(int(labels.max()) + 1, 0) / config.bootstrap,
+        boundaries=1.0 - together[neighbours, neighbours + 1],
+        agreement=agreement / config.bootstrap,
+    )
+
+
+def _resampled(trials: Trials, rng: np.random.Generator) -> IntArray:
+    """Return how often each trial was drawn: networks first, then trials within variants."""
+    _, variant = trials.variants()
+    networks, network = np.unique(trials.network, return_inverse=True)
+    drawn = rng.integers(networks.size, size=networks.size)
+    times = np.bincount(drawn, minlength=networks.size)
+    counts = np.zeros(trials.n_trials, dtype=np.int64)
+    for index in range(int(variant.max()) + 1):
+        own = variant == index
+        # A variant that was never tried by the networks drawn keeps all its networks.
+        draws = times if (times[network[own]] > 0).any() else np.ones_like(times)
+        for chosen in np.flatnonzero(draws):
+            cell = np.flatnonzero(own & (network == chosen))
+            if cell.size:
+                picks = rng.integers(cell.size, size=cell.size * int(draws[chosen]))
+                counts[cell] += np.bincount(picks, minlength=cell.size)
+    return counts
+
+
+def _thin(
+    data: VariantSamples, fits: tuple[Components, ...], variant: int, config: AnalysisConfig
+) -> tuple[FloatArray, Components, IntArray]:
+    samples, origin = data.samples[variant], data.trial[variant]
+    step = max(1, -(-samples.shape[0] // config.bootstrap_samples))
+    rows = slice(step // 2, None, step)
+    return expand(samples[rows]), fits[variant], origin[rows]
+
+
+def _refit(
+    phi: FloatArray, start: Components, weights: FloatArray, config: AnalysisConfig
+) -> Mixture:
+    used = weights > 0
+    if not used.any():
+        return Mixture(weights=start.weights, means=start.means, covariances=start.covariances)
+    fit = maximise_likelihood(
+        phi[used],
+        start,
+        regularisation=config.regularisation,
+        tolerance=config.tolerance,
+        max_iterations=_REFIT_ITERATIONS,
+        sample_weights=weights[used],
+    )
+    parts = fit.components
+    return Mixture(weights=parts.weights, means=parts.means, covariances=parts.covariances)
+
+
+def _grouping(mixtures: list[Mixture], config: AnalysisConfig) -> IntArray:
+    distances = hellinger_matrix(mixtures)
+    dendrogram = build_dendrogram(distances, config.linkage)
+    cut = cut_dendrogram(dendrogram, distances, config)
+    limit = small_limit(len(mixtures), config)
+    return merge_small(cut.labels, dendrogram, distances, limit)[0]

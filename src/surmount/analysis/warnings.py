@@ -1,0 +1,101 @@
+"""Sentences on what a reader must know before trusting an analysis."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from surmount.analysis.features import describe_variant
+from surmount.analysis.result import Analysis
+
+_FEW_TRIALS = 10
+
+
+def analysis_warnings(analysis: Analysis) -> Analysis:
+    """Return the analysis with its warnings filled in."""
+    found = [
+        *_about_data(analysis),
+        *_about_fits(analysis),
+        *_about_groups(analysis),
+        *_about_stability(analysis),
+    ]
+    return dataclasses.replace(analysis, warnings=tuple(found))
+
+
+def _about_data(analysis: Analysis) -> list[str]:
+    found: list[str] = []
+    if analysis.features.dropped:
+        found.append(f"Left out because they never change: {', '.join(analysis.features.dropped)}.")
+    few = np.flatnonzero(analysis.n_trials < _FEW_TRIALS)
+    if few.size:
+        names = ", ".join(describe_variant(analysis.variants[i]) for i in few)
+        found.append(
+            f"Fewer than {_FEW_TRIALS} trials on {few.size} of {analysis.variants.shape[0]} "
+            f"variants ({names}): their success rates are rough."
+        )
+    return found
+
+
+def _about_fits(analysis: Analysis) -> list[str]:
+    found: list[str] = []
+    if analysis.not_converged:
+        found.append(
+            f"{analysis.not_converged} of {len(analysis.mixtures)} mixtures did not converge "
+            f"within {analysis.config.max_iterations} iterations; raise `max_iterations`."
+        )
+    fits = [mixture.fit for mixture in analysis.mixtures if mixture.fit]
+    wanted = max(fit.requested for fit in fits)
+    fewer = sum(fit.requested < wanted for fit in fits)
+    if fewer and not analysis.config.components_per_variant:
+        found.append(
+            f"{fewer} variants have too few samples for {wanted} components and got fewer."
+        )
+    if analysis.collapsed:
+        found.append(
+            f"{analysis.collapsed} components collapsed and were removed: these variants hold "
+            "fewer distinct samples than components."
+        )
+    curve = analysis.bic
+    if curve and curve.minimum == curve.components[-1] == analysis.config.max_components:
+        found.append(
+            f"The BIC still falls at the end of its range (K = {curve.components[-1]}): more "
+            "components would fit better; raise `max_components` to see."
+        )
+    return found
+
+
+def _about_groups(analysis: Analysis) -> list[str]:
+    found: list[str] = []
+    if len(analysis.groups) == 1:
+        found.append("No abrupt change of behaviour was found: all variants form one group.")
+    if not analysis.curriculum.levels:
+        found.append(
+            "Every group already reaches the success threshold of "
+            f"{analysis.curriculum.success_threshold:.0%}: the curriculum has no levels."
+        )
+    return found
+
+
+def _about_stability(analysis: Analysis) -> list[str]:
+    stability, threshold = analysis.stability, analysis.config.stability_threshold
+    if stability is None:
+        return ["The stability of the grouping was not assessed (`bootstrap` is 0)."]
+    found: list[str] = []
+    if stability.same_count < threshold:
+        listed = ", ".join(f"{count} in {share:.0%}" for count, share in stability.group_counts)
+        found.append(
+            f"The number of groups is not stable: with trials drawn again it was {listed} of "
+            f"{stability.replicates} replicates."
+        )
+    if analysis.variants.shape[1] > 1:
+        return found
+    for left in np.flatnonzero(np.diff(analysis.labels) != 0):
+        share = stability.boundaries[left]
+        if share < threshold:
+            low, high = (describe_variant(analysis.variants[i]) for i in (left, left + 1))
+            found.append(
+                f"The boundary between {low} and {high} is not stable: it appeared in "
+                f"{share:.0%} of {stability.replicates} replicates."
+            )
+    return found

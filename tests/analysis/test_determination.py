@@ -1,0 +1,87 @@
+"""The whole analysis on synthetic trials with known groups."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from surmount import Analysis, AnalysisConfig, Curriculum, Trials, determine_curriculum
+from surmount.analysis.synthetic import SyntheticFamily
+from surmount.core.errors import InputError
+
+QUICK = AnalysisConfig(components=4, restarts=1, bootstrap=4, bootstrap_samples=200)
+FAMILY = SyntheticFamily(sizes=(4, 5, 4), behaviours=(0, 1, 2), separation=8.0, steps=60, trials=12)
+
+
+@pytest.fixture(scope="module")
+def trials() -> Trials:
+    return FAMILY.generate()
+
+
+@pytest.fixture(scope="module")
+def analysis(trials: Trials) -> Analysis:
+    return determine_curriculum(trials, QUICK)
+
+
+def test_well_separated_behaviours_become_the_groups(analysis: Analysis):
+    assert analysis.labels.tolist() == FAMILY.labels.tolist()
+
+
+def test_groups_are_ranked_by_measured_success(analysis: Analysis, trials: Trials):
+    rates = [group.success_rate for group in analysis.groups]
+    assert rates == sorted(rates, reverse=True)
+    for group in analysis.groups:
+        per_variant = [
+            trials.success[(trials.variant == v).all(axis=1)].mean() for v in group.variants
+        ]
+        assert group.success_rate == pytest.approx(np.mean(per_variant), abs=1e-12)
+
+
+def test_one_level_for_each_group_below_the_threshold(analysis: Analysis):
+    below = [group.name for group in analysis.groups if group.success_rate < 0.95]
+    assert [level.dominant for level in analysis.curriculum.levels] == below
+    assert len(below) in (2, 3)
+
+
+def test_record_survives_json_unchanged(analysis: Analysis):
+    record = json.loads(json.dumps(analysis.to_record(), allow_nan=False))
+    assert Analysis.from_record(record).to_record() == analysis.to_record()
+
+
+def test_same_trials_and_seed_give_the_same_record(analysis: Analysis, trials: Trials):
+    assert determine_curriculum(trials, QUICK).to_record() == analysis.to_record()
+
+
+def test_order_of_trials_does_not_matter(analysis: Analysis, trials: Trials):
+    order = np.random.default_rng(1).permutation(trials.n_trials)
+    parts = [trials.select(np.arange(trials.n_trials) == i) for i in order]
+    shuffled = determine_curriculum(Trials.concatenate(parts), QUICK)
+    # Sums over samples run in another order only where scaling is computed: rounding, no more.
+    np.testing.assert_allclose(shuffled.distances, analysis.distances, atol=1e-6)
+    assert shuffled.labels.tolist() == analysis.labels.tolist()
+
+
+def test_all_groups_succeeding_gives_a_curriculum_without_levels(trials: Trials, tmp_path):
+    everyone = Trials(
+        parameters=trials.parameters,
+        feature_names=trials.feature_names,
+        variant=trials.variant,
+        network=trials.network,
+        repetition=trials.repetition,
+        success=np.ones(trials.n_trials, dtype=np.bool_),
+        starts=trials.starts,
+        features=trials.features,
+    )
+    curriculum = determine_curriculum(everyone, QUICK).curriculum
+    assert curriculum.n_levels == 0
+    curriculum.save(tmp_path / "curriculum.json")
+    assert Curriculum.load(tmp_path / "curriculum.json").n_levels == 0
+
+
+def test_one_variant_is_refused_with_a_remedy(trials: Trials):
+    only = trials.select((trials.variant == trials.variant[0]).all(axis=1))
+    with pytest.raises(InputError, match="one variant only") as caught:
+        determine_curriculum(only, QUICK)
+    assert caught.value.remedy
