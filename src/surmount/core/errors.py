@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 
@@ -26,6 +27,14 @@ class SurmountError(Exception):
 
     def __str__(self) -> str:
         return f"{self.message} {self.remedy}"
+
+    def __reduce__(self) -> tuple[Callable[..., SurmountError], tuple[object, ...]]:
+        """Let the error cross from a worker process to the one that reports it."""
+        return _rebuild, (type(self), self.message, self.remedy)
+
+
+def _rebuild(kind: type[SurmountError], message: str, remedy: str) -> SurmountError:
+    return kind(message, remedy=remedy)
 
 
 class ConfigError(SurmountError):

@@ -1,0 +1,39 @@
+# Two commands set everything up: `make demo` and `make test`. The environment is `.venv`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+DEMO_OUT ?= out/demo
+DEMO_OBSTACLE ?= step
+
+export OMP_NUM_THREADS ?= 1
+
+.PHONY: demo test test-slow check bench clean
+
+demo: $(READY)  ## the whole method on one obstacle at reduced scale, with a report at the end
+	$(BIN)/surmount reproduce $(DEMO_OBSTACLE) --preset smoke --out $(DEMO_OUT)
+
+test: $(READY)  ## all checks and the fast tests
+	$(MAKE) --no-print-directory check
+	$(BIN)/pytest -m "not slow"
+
+test-slow: $(READY)  ## learning and soak tests, nightly
+	$(BIN)/pytest -m slow
+
+check: $(READY)  ## lint, format, types, rooms
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/basedpyright
+	$(BIN)/lint-imports
+
+bench: $(READY)  ## every speed claim, measured against its peer in the same run
+	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "Surmount needs Python 3.11 or newer: call make PYTHON=python3.12"'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+clean:  ## remove the environment and the demo's output
+	rm -rf $(VENV) out

@@ -1,0 +1,130 @@
+"""Configurations load strictly: what is not understood is an error with a remedy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from surmount.core.configuration import (
+    differences,
+    dotted_keys,
+    from_record,
+    override,
+    read_overrides,
+    to_record,
+)
+from surmount.core.errors import ConfigError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inner:
+    rate: float = 0.1
+    kind: Literal["a", "b"] = "a"
+    layers: tuple[int, ...] = (2, 3)
+    span: tuple[float, float] = (0.0, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outer:
+    name: str = "x"
+    steps: int = 10
+    flag: bool = False
+    limit: float | None = None
+    inner: Inner = field(default_factory=Inner)
+
+
+def test_a_record_builds_the_configuration_it_came_from():
+    config = override(Outer(), {"inner.layers": "[4, 5]", "limit": 2, "inner.span": [1, 2]})
+    assert from_record(Outer, to_record(config)) == config
+    assert config.inner.layers == (4, 5)
+    assert config.inner.span == (1.0, 2.0)
+    assert config.limit == 2.0
+
+
+def test_dotted_keys_reach_every_leaf():
+    assert dotted_keys(Outer) == [
+        "name", "steps", "flag", "limit",
+        "inner.rate", "inner.kind", "inner.layers", "inner.span",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [("inner.rte", "inner.rate"), ("rate", "inner.rate"), ("stepz", "steps"), ("inner", "inner.")],
+)
+def test_an_unknown_key_names_the_nearest_valid_one(key, meant):
+    with pytest.raises(ConfigError, match=f"Unknown configuration key `{key}`") as caught:
+        override(Outer(), {key: 1})
+    assert f"`{meant}" in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "names"),
+    [
+        ("steps", "many", "`steps` is 'many'"),
+        ("steps", "1.5", "`steps` is 1.5"),
+        ("steps", "true", "`steps` is True"),
+        ("inner.rate", "[1]", "`inner.rate` is"),
+        ("inner.kind", "c", "`inner.kind` is 'c'"),
+        ("inner.span", "[1]", "`inner.span` is"),
+        ("flag", "1", "`flag` is 1"),
+        ("limit", "high", "`limit` is 'high'"),
+    ],
+)
+def test_a_value_of_the_wrong_type_is_refused_with_its_key(key, value, names):
+    with pytest.raises(ConfigError) as caught:
+        override(Outer(), {key: value})
+    assert names in caught.value.message
+    assert caught.value.remedy
+
+
+def test_whole_numbers_may_be_written_with_an_exponent():
+    assert override(Outer(), {"steps": "5e5"}).steps == 500_000
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("c.toml", 'name = "y"\n[inner]\nrate = 0.5\n'),
+        ("c.toml", 'name = "y"\ninner.rate = 0.5\n'),
+        ("c.json", '{"name": "y", "inner": {"rate": 0.5}}'),
+    ],
+)
+def test_files_give_the_same_overrides_as_the_command_line(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    assert override(Outer(), read_overrides(path)) == override(
+        Outer(), {"name": "y", "inner.rate": "0.5"}
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("c.toml", b"= 3"), ("c.json", b"{"), ("c.json", b"[1]"), ("c.toml", b"\xff\xfe")],
+)
+def test_a_damaged_file_is_refused_by_name(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(ConfigError, match=name):
+        read_overrides(path)
+
+
+def test_differences_name_the_keys():
+    changed = override(Outer(), {"inner.rate": 0.2})
+    assert differences(to_record(Outer()), to_record(changed)) == {"inner.rate": (0.1, 0.2)}
+
+
+@given(st.dictionaries(st.text(max_size=12), st.text(max_size=12), max_size=3))
+def test_any_override_is_taken_or_refused_in_a_sentence(changes):
+    refusal = None
+    try:
+        override(Outer(), changes)
+    except ConfigError as error:
+        refusal = error
+    valid = set(dotted_keys(Outer))
+    assert refusal is not None or changes.keys() <= valid
+    assert refusal is None or (refusal.message and refusal.remedy)
