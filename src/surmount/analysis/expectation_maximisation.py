@@ -14,10 +14,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
 
 _BLOCK = 4096
 """Samples per block: logits of 16 components take 512 KiB."""
@@ -60,13 +61,22 @@ class Fit:
     collapsed: int
 
 
+@lru_cache(maxsize=16)
+def feature_pairs(n_features: int) -> tuple[IntArray, IntArray]:
+    """Return the index pairs i ≤ j in the order of the expanded features."""
+    rows, columns = np.triu_indices(n_features)
+    rows.setflags(write=False)
+    columns.setflags(write=False)
+    return rows, columns
+
+
 def expand(x: FloatArray) -> FloatArray:
     """Return φ(x) = (1, xᵢ, xᵢxⱼ for i ≤ j), shape ``(sample, 1 + d + d(d+1)/2)``."""
     n, d = x.shape
     phi = np.empty((n, 1 + d + d * (d + 1) // 2))
     phi[:, 0] = 1.0
     phi[:, 1 : 1 + d] = x
-    rows, columns = np.triu_indices(d)
+    rows, columns = feature_pairs(d)
     np.multiply(x[:, rows], x[:, columns], out=phi[:, 1 + d :])
     return phi
 
@@ -86,7 +96,7 @@ def coefficients(components: Components) -> FloatArray:
     precision = inverse.transpose(0, 2, 1) @ inverse
     slope = np.einsum("kij,kj->ki", precision, means)
     log_root = np.log(np.diagonal(factors, axis1=1, axis2=2)).sum(axis=1)
-    rows, columns = np.triu_indices(d)
+    rows, columns = feature_pairs(d)
     result = np.empty((means.shape[0], 1 + d + rows.size))
     result[:, 0] = (
         np.log(components.weights)
@@ -153,7 +163,7 @@ def maximisation(sums: FloatArray, n_features: int, regularisation: float) -> Co
     """
     mass = sums[:, 0]
     means = sums[:, 1 : 1 + n_features] / mass[:, None]
-    rows, columns = np.triu_indices(n_features)
+    rows, columns = feature_pairs(n_features)
     covariances = np.empty((mass.size, n_features, n_features))
     moments = sums[:, 1 + n_features :] / mass[:, None] - means[:, rows] * means[:, columns]
     covariances[:, rows, columns] = moments

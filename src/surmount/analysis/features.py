@@ -13,6 +13,9 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import InputError
 from surmount.core.trials import Trials
 
+_LARGEST_VALUE = 1e100
+"""Larger values count as infinite: their squares overflow."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FeatureMap:
@@ -159,7 +162,7 @@ def _selected(
 ) -> tuple[tuple[str, ...], FloatArray]:
     names = config.features or trials.feature_names
     x = np.stack([trials.column(name)[kept] for name in names], axis=1).astype(np.float64)
-    finite = np.asarray(np.isfinite(x).all(axis=0))
+    finite = np.asarray((np.abs(x) <= _LARGEST_VALUE).all(axis=0))
     if not finite.all():
         bad = [name for name, good in zip(names, finite, strict=True) if not good]
         raise InputError(

@@ -18,7 +18,7 @@ from surmount.core.mixture import Mixture
 from surmount.core.seeds import generator
 from surmount.core.trials import Trials
 
-_REFIT_ITERATIONS = 10
+_REFIT_ITERATIONS = 5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,7 +61,7 @@ def assess_stability(
     """Repeat the grouping on networks and trials drawn with replacement.
 
     Each replicate draws networks, and for every variant as many trials as it has of them, refits
-    each mixture from where the analysis ended (at most ten iterations, on at most
+    each mixture from where the analysis ended (at most five iterations, on at most
     ``bootstrap_samples`` control steps per variant), and groups as the analysis did. Starting
     from the analysis's own fits leaves out the chance of the starts. With a single network only
     trials are drawn, and nothing is said about another training run.

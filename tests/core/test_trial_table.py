@@ -1,0 +1,180 @@
+"""The contract of the table of trials: what is read, what is refused, and how it is said."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from surmount.analysis.synthetic import SyntheticFamily
+from surmount.core.errors import InputError, MissingExtraError, SurmountError
+from surmount.core.trial_table import (
+    read_trials,
+    trials_from_table,
+    trials_to_table,
+    write_trials,
+)
+from surmount.core.trials import Trials
+
+FAMILY = SyntheticFamily(sizes=(2, 2), behaviours=(0, 1), trials=4, steps=12)
+
+
+def table(**changes):
+    """A sound table of two variants with two trials of three rows, with changed columns."""
+    columns = {
+        "variant": np.repeat([10.0, 20.0], 6),
+        "network": np.zeros(12, dtype=int),
+        "trial": np.tile(np.repeat([0, 1], 3), 2),
+        "success": np.repeat([1, 0, 1, 1], 3),
+        "time_s": np.tile([0.0, 0.1, 0.2], 4),
+        "x_mm": np.arange(12.0),
+    }
+    columns.update(changes)
+    return {name: column for name, column in columns.items() if column is not None}
+
+
+def same(a: Trials, b: Trials) -> None:
+    assert (a.parameters, a.feature_names) == (b.parameters, b.feature_names)
+    for name in ("variant", "network", "repetition", "success", "starts", "features"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_writing_and_reading_gives_the_same_trials_bit_for_bit(tmp_path: Path, suffix: str):
+    trials = FAMILY.generate()
+    write_trials(tmp_path / f"trials{suffix}", trials)
+    same(read_trials(tmp_path / f"trials{suffix}"), trials)
+
+
+@pytest.mark.parametrize("frame", [pd.DataFrame, pl.DataFrame, dict])
+def test_data_frames_and_dictionaries_are_read_alike(frame):
+    trials = FAMILY.generate()
+    same(trials_from_table(frame(trials_to_table(trials))), trials)
+
+
+def test_several_parameters_become_the_axes_of_the_variants():
+    columns = table(variant=None)
+    columns["variant.height_mm"] = np.repeat([10.0, 20.0], 6)
+    columns["variant.friction"] = np.repeat([0.5, 0.5], 6)
+    trials = trials_from_table(columns)
+    assert trials.parameters == ("height_mm", "friction")
+    assert trials.variants()[0].tolist() == [[10.0, 0.5], [20.0, 0.5]]
+
+
+def test_rows_of_different_trials_may_be_interleaved():
+    columns = table()
+    order = np.argsort(columns["time_s"], kind="stable")
+    mixed = trials_from_table({name: column[order] for name, column in columns.items()})
+    same(mixed, trials_from_table(columns))
+
+
+def test_named_networks_are_numbered_in_alphabetical_order():
+    names = np.repeat(["b", "a"], 6)
+    assert trials_from_table(table(network=names)).network.tolist() == [1, 1, 0, 0]
+
+
+def test_all_problems_are_named_at_once_with_rows_and_remedies():
+    x = np.arange(12.0)
+    x[[3, 7]] = np.nan, np.inf
+    success = np.repeat([1, 0, 1, 1], 3)
+    success[1] = 5
+    with pytest.raises(InputError) as caught:
+        trials_from_table(table(x_mm=x, success=success, network=None))
+    text = str(caught.value)
+    assert "3 problems" in text
+    assert "column `network` is missing" in text
+    assert "row 4, 8: `x_mm` is missing, NaN or infinite" in text
+    assert "row 2: `success` is neither 0 nor 1" in text
+
+
+def test_success_that_changes_within_a_trial_is_refused():
+    success = np.repeat([1, 0, 1, 1], 3)
+    success[2] = 0
+    with pytest.raises(InputError, match=r"row 3: `success` differs"):
+        trials_from_table(table(success=success))
+
+
+def test_rows_logged_twice_are_refused_by_their_time():
+    with pytest.raises(InputError, match=r"row 2: has the same `time_s`"):
+        trials_from_table(
+            table(time_s=np.tile([0.0, 0.0, 0.2], 4))
+            | {"trial": np.arange(12) // 3, "success": np.ones(12)}
+            | {"time_s": np.r_[0.0, 0.0, 0.2, np.tile([0.0, 0.1, 0.2], 3)]}
+        )
+
+
+def test_too_few_variants_and_samples_are_refused_on_request():
+    one = {name: column[:6] for name, column in table().items()}
+    with pytest.raises(InputError) as caught:
+        trials_from_table(one, minimum_variants=2, minimum_samples=7)
+    assert "only one variant (10)" in str(caught.value)
+    assert "variant 10 has 6 rows, fewer than 7" in str(caught.value)
+
+
+def test_a_row_with_too_few_entries_is_named(tmp_path: Path):
+    (tmp_path / "t.csv").write_text("variant,network,trial,success,x\n1,0,0,1,2\n1,0,0,1\n")
+    with pytest.raises(InputError, match="row 2 has 4 entries under 5"):
+        read_trials(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize("name", ["missing.csv", "missing.parquet", "trials.xlsx"])
+def test_unusable_files_are_refused_in_one_sentence(tmp_path: Path, name: str):
+    with pytest.raises(InputError) as caught:
+        read_trials(tmp_path / name)
+    assert name in caught.value.message
+    assert caught.value.remedy
+
+
+def test_text_that_is_no_parquet_is_refused(tmp_path: Path):
+    (tmp_path / "t.parquet").write_text("no parquet at all")
+    with pytest.raises(InputError, match="cannot be read as a table"):
+        read_trials(tmp_path / "t.parquet")
+
+
+def test_parquet_without_polars_names_the_extra(tmp_path: Path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(MissingExtraError, match="polars"):
+        read_trials(tmp_path / "t.parquet")
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
+def test_any_bytes_are_refused_or_read_never_a_traceback(content: bytes):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "t.csv"
+        path.write_bytes(content)
+        with pytest.raises(SurmountError):
+            read_trials(path)
+
+
+cells = st.one_of(
+    st.none(), st.floats(), st.integers(-(2**70), 2**70), st.text(max_size=4), st.booleans()
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.dictionaries(
+        st.sampled_from(
+            ["variant", "variant.a", "variant.", "network", "trial", "success", "time_s", "x", ""]
+        ),
+        st.lists(cells, min_size=3, max_size=3),
+        max_size=8,
+    )
+)
+def test_any_columns_give_sound_trials_or_a_sentence(columns):
+    trials = None
+    with contextlib.suppress(InputError):
+        trials = trials_from_table({k: np.asarray(v, dtype=object) for k, v in columns.items()})
+    if trials is not None:
+        assert np.isfinite(trials.features).all()
+        assert np.isfinite(trials.variant).all()
+        assert trials.n_samples == 3
