@@ -1,0 +1,166 @@
+"""The world around the robot: floor, obstacle blocks, light and camera, compiled to one model."""
+
+# MuJoCo's bindings are compiled and carry no annotations.
+# pyright: reportAttributeAccessIssue=false, reportUnknownParameterType=false
+
+from __future__ import annotations
+
+import mujoco
+
+from surmount.envs.config import EnvConfig
+from surmount.envs.obstacles import POST_HEIGHT_M, POST_THICKNESS_M, Obstacle, blocks
+from surmount.robot.model import WORLD_BIT, add_robot
+
+FLOOR_THICKNESS_M = 0.04
+"""Thickness of the floor; nothing lies below."""
+
+CAMERA = "track"
+"""Name of the camera that follows the robot."""
+
+
+def build_model(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjModel:
+    """Compile robot and course.
+
+    Parameters
+    ----------
+    obstacle
+        Family of obstacles; its blocks are mocap bodies, in the order of
+        :func:`~surmount.envs.obstacles.blocks`, whose positions set the variant.
+    config
+        Course and robot.
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = f"rstar-{obstacle.name}"
+    add_robot(spec, config.robot)
+    _add_materials(spec)
+    _add_floor(spec, config)
+    for block in blocks(obstacle, config.course):
+        body = spec.worldbody.add_body(name=block.name, mocap=True)
+        _add_box(body, block.name, block.half_size_m, "obstacle")
+    if obstacle.name == "step":
+        spec.material("obstacle").rgba[3] = 1.0
+    if obstacle.name == "low-entrance":
+        _add_posts(spec, config)
+    _add_target_line(spec, config)
+    _add_view(spec)
+    for geom in spec.geoms:
+        if geom.contype or geom.conaffinity:
+            # As stiff as the time step allows (twice the tick), critically damped.
+            geom.solref = [2 * config.robot.physics_tick_s, 1.0]
+    return spec.compile()
+
+
+def _add_materials(spec: mujoco.MjSpec) -> None:
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.86, 0.91, 0.96],
+        rgb2=[0.55, 0.66, 0.78],
+        width=256,
+        height=256,
+    )
+    spec.add_texture(
+        name="floor",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.74, 0.77, 0.80],
+        rgb2=[0.66, 0.69, 0.73],
+        width=256,
+        height=256,
+    )
+    floor = spec.add_material(name="floor", reflectance=0.0, specular=0.1, shininess=0.1)
+    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    floor.texuniform = True
+    floor.texrepeat = [10, 10]
+    # Walls and lintel let the robot be seen through them.
+    spec.add_material(name="obstacle", rgba=[0.30, 0.50, 0.68, 0.6], specular=0.2, shininess=0.3)
+    spec.add_material(name="post", rgba=[0.40, 0.43, 0.48, 1.0], specular=0.2, shininess=0.3)
+    spec.add_material(name="target", rgba=[0.20, 0.62, 0.35, 1.0], specular=0.1)
+
+
+def _add_box(
+    body: mujoco.MjsBody,
+    name: str,
+    half_size_m: tuple[float, float, float],
+    material: str,
+    pos: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> None:
+    body.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=half_size_m,
+        pos=pos,
+        material=material,
+        contype=0,
+        conaffinity=WORLD_BIT,
+    )
+
+
+def _add_floor(spec: mujoco.MjSpec, config: EnvConfig) -> None:
+    course = config.course
+    half_length = (course.floor_rear_m + course.floor_front_m) / 2
+    _add_box(
+        spec.worldbody,
+        "floor",
+        (half_length, course.floor_half_width_m, FLOOR_THICKNESS_M / 2),
+        "floor",
+        ((course.floor_front_m - course.floor_rear_m) / 2, 0.0, -FLOOR_THICKNESS_M / 2),
+    )
+
+
+def _add_posts(spec: mujoco.MjSpec, config: EnvConfig) -> None:
+    course = config.course
+    lateral = course.floor_half_width_m - POST_THICKNESS_M / 2
+    half_size = (0.02, POST_THICKNESS_M / 2, POST_HEIGHT_M / 2)
+    for name, y in (("left", lateral), ("right", -lateral)):
+        for place, x in (("front", 0.02), ("rear", course.obstacle_length_m - 0.02)):
+            _add_box(
+                spec.worldbody,
+                f"{name}_{place}_post",
+                half_size,
+                "post",
+                (x, y, POST_HEIGHT_M / 2),
+            )
+
+
+def _add_target_line(spec: mujoco.MjSpec, config: EnvConfig) -> None:
+    course = config.course
+    spec.worldbody.add_geom(
+        name="target",
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=[0.004, course.floor_half_width_m, 0.0004],
+        pos=[course.target_m, 0.0, 0.0],
+        material="target",
+        contype=0,
+        conaffinity=0,
+        group=2,
+    )
+
+
+def _add_view(spec: mujoco.MjSpec) -> None:
+    spec.visual.global_.offwidth = 1920
+    spec.visual.global_.offheight = 1080
+    spec.visual.quality.shadowsize = 4096
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
+    spec.visual.headlight.specular = [0.1, 0.1, 0.1]
+    spec.visual.map.znear = 0.01
+    spec.stat.extent = 1.0
+    spec.stat.center = [0.0, 0.0, 0.05]
+    spec.worldbody.add_light(
+        pos=[-0.5, -0.8, 1.6],
+        dir=[0.35, 0.45, -1.0],
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        diffuse=[0.65, 0.65, 0.62],
+        specular=[0.2, 0.2, 0.2],
+        castshadow=True,
+    )
+    base = spec.body("base")
+    base.add_camera(
+        name=CAMERA,
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+        pos=[-0.36, -0.56, 0.20],
+        xyaxes=[0.84, -0.54, 0.0, 0.155, 0.241, 0.958],
+        fovy=42,
+    )

@@ -1,0 +1,170 @@
+"""Many simulations of one course, stepped by MuJoCo in one multi-threaded call."""
+
+# MuJoCo's bindings are compiled and carry no annotations.
+# pyright: reportAttributeAccessIssue=false, reportUnknownParameterType=false
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch, SimulationError
+
+from surmount.core.arrays import BoolArray, FloatArray
+from surmount.envs.config import EnvConfig
+from surmount.envs.observations import Measures
+from surmount.envs.obstacles import Obstacle, block_positions, blocks
+from surmount.envs.scene import build_model
+from surmount.envs.starts import Start
+from surmount.robot.model import SIDES, rolling_radius_m, wheel_names
+
+ACTIONS = ("speed", "fbem", "sprawl")
+"""Actions in the paper's order: rates of the three targets, as fractions of their limits."""
+
+DIVERGED_VELOCITY = 1e3
+"""A generalised speed (m/s or rad/s) above this is a diverged simulation."""
+
+
+class Simulation:
+    """Simulations of one obstacle family, each with its own variant, state and commands.
+
+    Parameters
+    ----------
+    obstacle, config
+        Family and configuration; the model is compiled once for all variants.
+    num_envs
+        Number of simulations.
+    n_threads
+        Threads that share the simulations; results do not depend on it.
+
+    Attributes
+    ----------
+    model
+        The compiled model.
+    batch
+        MuJoCo's batch. Each row of ``batch.state`` is all there is to a simulation: time, joint
+        positions and velocities, servo targets, warm start and the obstacle's position.
+    """
+
+    def __init__(
+        self, obstacle: Obstacle, config: EnvConfig, num_envs: int, n_threads: int
+    ) -> None:
+        self.model: mujoco.MjModel = build_model(obstacle, config)
+        self.batch = Batch(self.model, num_envs, min(n_threads, num_envs))
+        self._obstacle = obstacle
+        self._config = config
+        self._ticks = config.ticks_per_decision
+        self._qpos: FloatArray = self.batch.bind("qpos")
+        self._qvel: FloatArray = self.batch.bind("qvel")
+        self._act: FloatArray = self.batch.bind("act")
+        self._ctrl: FloatArray = self.batch.bind("ctrl")
+        self._mocap: FloatArray = self.batch.bind("mocap_pos")
+        self._mocap_ids = [
+            int(self.model.body(block.name).mocapid[0]) for block in blocks(obstacle, config.course)
+        ]
+        self._wheels = [self._dof(name) for name in wheel_names(config.robot)]
+        self._radius_m = rolling_radius_m(config.robot)
+        self._sprawls = [self._position(f"{side}_sprawl") for side in SIDES]
+        self._fbems = [self._position(f"{side}_fbem") for side in SIDES]
+        self._action_of_servo, self._rate_of_servo = self._servo_map()
+        self._finite_qpos = self._qpos.copy()
+
+    def _position(self, joint: str) -> int:
+        return int(self.model.joint(joint).qposadr[0])
+
+    def _dof(self, joint: str) -> int:
+        return int(self.model.joint(joint).dofadr[0])
+
+    def _servo_map(self) -> tuple[list[int], FloatArray]:
+        """Return each servo's action and its rate at a full action."""
+        actions: list[int] = []
+        for index in range(self.model.nu):
+            kind = self.model.actuator(index).name.split("_")[-1]
+            actions.append(ACTIONS.index(kind) if kind in ACTIONS else ACTIONS.index("speed"))
+        return actions, self.model.actuator_ctrlrange[:, 1].copy()
+
+    def advance(self, actions: FloatArray, running: BoolArray) -> BoolArray:
+        """Hold actions for one decision interval.
+
+        Parameters
+        ----------
+        actions
+            Fractions of the rate limits in [−1, 1], shape ``(env, 3)``, ordered as
+            :data:`ACTIONS`. Every servo integrates its rate at each physics tick.
+        running
+            Simulations to advance, shape ``(env,)``; the others keep their state, at no cost.
+
+        Returns
+        -------
+        BoolArray
+            Simulations that diverged, shape ``(env,)``: MuJoCo gave up on them, or their state is
+            not finite, or faster than :data:`DIVERGED_VELOCITY`.
+        """
+        np.multiply(actions[:, self._action_of_servo], self._rate_of_servo, out=self._ctrl)
+        failed = np.zeros(running.size, dtype=np.bool_)
+        try:
+            self.batch.step(None if running.all() else running, self._ticks)
+        except SimulationError as error:
+            failed[error.ids] = True
+        # NaN fails both comparisons.
+        calm = np.abs(self._qvel).max(axis=1) < DIVERGED_VELOCITY
+        calm &= np.abs(self._qpos).max(axis=1) < math.inf
+        return (failed | ~calm) & running
+
+    def measure(self, diverged: BoolArray | None = None) -> Measures:
+        """Return what the robots measure; a diverged one keeps its last finite position."""
+        qpos, qvel = self._qpos, self._qvel
+        if diverged is not None and diverged.any():
+            qpos = np.where(diverged[:, None], self._finite_qpos, qpos)
+            qvel = np.where(diverged[:, None], 0.0, qvel)
+        self._finite_qpos[:] = qpos
+        w, x, y, z = (qpos[:, column].copy() for column in (3, 4, 5, 6))
+        # Entries of the rotation matrix: lateral axis (horizontal part), then the heights of the
+        # forward and upward axes. Contiguous operands keep the arithmetic independent of num_envs.
+        lateral_x, lateral_y = 2 * (x * y - w * z), 1 - 2 * (x * x + z * z)
+        forward_z, upward_z = 2 * (x * z - w * y), 1 - 2 * (x * x + y * y)
+        rim = qvel[:, self._wheels[0]].copy()
+        for wheel in self._wheels[1:]:
+            rim += qvel[:, wheel]
+        left, right = self._sprawls
+        sprawl = (qpos[:, left] + qpos[:, right]) * (0.5 * 180.0 / math.pi)
+        left, right = self._fbems
+        fbem = (qpos[:, left] + qpos[:, right]) * (0.5 * 180.0 / math.pi)
+        return Measures(
+            x_m=qpos[:, 0].copy(),
+            y_m=qpos[:, 1].copy(),
+            z_m=qpos[:, 2].copy(),
+            yaw_deg=np.arctan2(-lateral_x, lateral_y) * (180.0 / math.pi),
+            pitch_deg=np.arctan2(forward_z, upward_z) * (180.0 / math.pi),
+            sprawl_deg=sprawl,
+            fbem_deg=fbem,
+            speed_mps=rim * (self._radius_m / len(self._wheels)),
+        )
+
+    def place(self, env: int, size_mm: float, start: Start) -> None:
+        """Put simulation ``env`` at rest into a start pose, before an obstacle of a size."""
+        self.batch.reset([env], stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        qpos, act = self._qpos[env], self._act[env]
+        half_yaw = math.radians(start.yaw_deg) / 2
+        qpos[:7] = (
+            *(start.x_m, start.y_m, start.z_m),
+            *(math.cos(half_yaw), 0.0, 0.0, math.sin(half_yaw)),
+        )
+        sprawl, fbem = math.radians(start.sprawl_deg), math.radians(start.fbem_deg)
+        for side in SIDES:
+            qpos[self._position(f"{side}_sprawl")] = sprawl
+            qpos[self._position(f"{side}_fbem")] = fbem
+            qpos[self._position(f"{side}_rear_rod")] = fbem
+            qpos[self._position(f"{side}_carrier")] = -fbem
+        for servo, action in enumerate(self._action_of_servo):
+            act[servo] = (0.0, fbem, sprawl)[action]
+        positions = block_positions(self._obstacle, self._config.course, np.array([size_mm]))
+        for block, mocap in enumerate(self._mocap_ids):
+            self._mocap[env, mocap] = positions[0, block]
+
+    def data(self, env: int, data: mujoco.MjData | None = None) -> mujoco.MjData:
+        """Return simulation ``env`` with all derived quantities computed, to render or examine."""
+        data = self.batch.get_data(env, data)
+        mujoco.mj_forward(self.model, data)
+        return data
