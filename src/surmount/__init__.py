@@ -12,6 +12,7 @@ from surmount.core.curriculum import Box, Curriculum, Group, Level
 from surmount.core.errors import SurmountError
 from surmount.core.mixture import Mixture
 from surmount.core.tasks import TaskDistribution
+from surmount.core.trial_table import read_trials, write_trials
 from surmount.core.trials import Trials
 
 __all__ = [
@@ -29,4 +30,6 @@ __all__ = [
     "fit_mixture",
     "hellinger",
     "hellinger_matrix",
+    "read_trials",
+    "write_trials",
 ]

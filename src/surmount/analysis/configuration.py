@@ -96,6 +96,8 @@ class AnalysisConfig:
     stability_threshold
         Share of replicates below which the number of groups or a boundary is called not stable.
         Assumed.
+    sensitivity
+        Whether the grouping is repeated with each choice changed in turn.
     scatter_samples
         Recorded and sampled points kept in the result for the figure of the fit.
     """
@@ -131,6 +133,7 @@ class AnalysisConfig:
     bootstrap: int = 50
     bootstrap_samples: int = 1_000
     stability_threshold: float = 0.8
+    sensitivity: bool = True
     scatter_samples: int = 1_000
 
     def __post_init__(self) -> None:

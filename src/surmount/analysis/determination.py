@@ -15,6 +15,7 @@ from surmount.analysis.groups import group_names, merge_small, rank_groups, smal
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.levels import build_levels
 from surmount.analysis.result import Analysis
+from surmount.analysis.sensitivity import SensitivityRow, assess_sensitivity
 from surmount.analysis.stability import assess_stability
 from surmount.analysis.warnings import analysis_warnings
 from surmount.core.curriculum import Curriculum, Group
@@ -97,6 +98,9 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     stability = None
     if settings.bootstrap:
         stability = assess_stability(trials, data, tuple(fits), labels, settings)
+    sensitivity: tuple[SensitivityRow, ...] = ()
+    if settings.sensitivity:
+        sensitivity = assess_sensitivity(data, mixtures, distances, labels, settings, seed=seed)
     recorded, sampled = _scatter(data, mixtures[hardest], hardest, settings)
     analysis = Analysis(
         config=settings,
@@ -122,6 +126,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         recorded=recorded,
         sampled=sampled,
         stability=stability,
+        sensitivity=sensitivity,
         warnings=(),
     )
     return analysis_warnings(analysis)

@@ -17,6 +17,7 @@ from surmount.analysis.dendrogram import Dendrogram
 from surmount.analysis.features import FeatureMap
 from surmount.analysis.fitting import Scaling
 from surmount.analysis.groups import Merge
+from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.configuration import from_record as config_from_record
@@ -80,6 +81,8 @@ class Analysis:
         (fig. 5); shape ``(sample, feature)``.
     stability
         How sure the grouping is; ``None`` where the bootstrap was switched off.
+    sensitivity
+        The grouping with one choice changed at a time; empty where it was switched off.
     warnings
         Sentences on what a reader must know before trusting the result.
     """
@@ -107,6 +110,7 @@ class Analysis:
     recorded: FloatArray
     sampled: FloatArray
     stability: Stability | None
+    sensitivity: tuple[SensitivityRow, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -254,6 +258,15 @@ def _build(record: Mapping[str, Any]) -> Analysis:
         recorded=_floats(record["recorded"], 2),
         sampled=_floats(record["sampled"], 2),
         stability=None if record["stability"] is None else _stability(record["stability"]),
+        sensitivity=tuple(
+            SensitivityRow(
+                choice=str(row["choice"]),
+                value=str(row["value"]),
+                n_groups=int(row["n_groups"]),
+                agreement=float(row["agreement"]),
+            )
+            for row in record["sensitivity"]
+        ),
         warnings=tuple(str(warning) for warning in record["warnings"]),
     )
 

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from surmount.analysis.configuration import AnalysisConfig
-from surmount.analysis.cut import cut_dendrogram
-from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.expectation_maximisation import Components, expand, maximise_likelihood
 from surmount.analysis.features import VariantSamples
-from surmount.analysis.groups import merge_small, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
+from surmount.analysis.sensitivity import group_variants
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.mixture import Mixture
 from surmount.core.seeds import generator
@@ -93,7 +91,7 @@ def assess_stability(
             _refit(phi, start, weights[origin].astype(np.float64), config)
             for phi, start, origin in prepared
         ]
-        groups = _grouping(mixtures, config)
+        groups = group_variants(hellinger_matrix(mixtures), config)
         co_members = groups[:, None] == groups
         together += co_members
         agreement += float((co_members[pairs] == same[pairs]).mean())
@@ -159,11 +157,3 @@ def _refit(
     )
     parts = fit.components
     return Mixture(weights=parts.weights, means=parts.means, covariances=parts.covariances)
-
-
-def _grouping(mixtures: list[Mixture], config: AnalysisConfig) -> IntArray:
-    distances = hellinger_matrix(mixtures)
-    dendrogram = build_dendrogram(distances, config.linkage)
-    cut = cut_dendrogram(dendrogram, distances, config)
-    limit = small_limit(len(mixtures), config)
-    return merge_small(cut.labels, dendrogram, distances, limit)[0]

@@ -1,0 +1,157 @@
+"""How much a choice matters: the grouping again with one choice changed at a time."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from surmount.analysis.agreement import adjusted_rand
+from surmount.analysis.configuration import AnalysisConfig, LinkageMethod
+from surmount.analysis.cut import DEFAULT_CUT_OFF, cut_dendrogram
+from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.features import VariantSamples
+from surmount.analysis.fitting import Prepared, affordable_components, mixture_of
+from surmount.analysis.groups import merge_small, small_limit
+from surmount.analysis.hellinger import hellinger_matrix
+from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.mixture import Mixture
+
+_LINKAGES = ("average", "complete", "single", "weighted", "ward")
+_DEPTHS = (2, 3, 4, 0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensitivityRow:
+    """The grouping with one choice changed.
+
+    Attributes
+    ----------
+    choice, value
+        What was changed, and to what.
+    n_groups
+        Groups after small ones were merged.
+    agreement
+        Adjusted Rand index with the analysis's own grouping; 1 means the same grouping.
+    """
+
+    choice: str
+    value: str
+    n_groups: int
+    agreement: float
+
+
+def group_variants(distances: FloatArray, config: AnalysisConfig) -> IntArray:
+    """Return the group of each variant from the distances alone, shape ``(variant,)``."""
+    dendrogram = build_dendrogram(distances, config.linkage)
+    cut = cut_dendrogram(dendrogram, distances, config)
+    limit = small_limit(distances.shape[0], config)
+    return merge_small(cut.labels, dendrogram, distances, limit)[0]
+
+
+def marginal(mixture: Mixture, kept: Sequence[int]) -> Mixture:
+    """Return the mixture of some of the features, which needs no new fit."""
+    columns = np.asarray(kept, dtype=np.int64)
+    return Mixture(
+        weights=mixture.weights,
+        means=mixture.means[:, columns],
+        covariances=mixture.covariances[:, columns[:, None], columns],
+    )
+
+
+def assess_sensitivity(
+    data: VariantSamples,
+    mixtures: Sequence[Mixture],
+    distances: FloatArray,
+    labels: IntArray,
+    config: AnalysisConfig,
+    *,
+    seed: int,
+) -> tuple[SensitivityRow, ...]:
+    """Repeat the grouping with one choice changed at a time.
+
+    Linkage, cut rule, cut-off and the size of small groups reuse the distances; leaving a feature
+    out reuses the mixtures, whose marginals are exact; other numbers of components are fitted
+    anew.
+
+    Parameters
+    ----------
+    data
+        Samples of the analysis.
+    mixtures, distances, labels
+        Its mixtures, distances and groups.
+    config
+        Its configuration.
+    seed
+        Seed of its fits.
+    """
+
+    def row(choice: str, value: str, found: IntArray) -> SensitivityRow:
+        return SensitivityRow(
+            choice=choice,
+            value=value,
+            n_groups=int(found.max()) + 1,
+            agreement=adjusted_rand(found, labels),
+        )
+
+    rows = [
+        row(choice, value, group_variants(distances, changed))
+        for choice, value, changed in _changed_rules(config)
+    ]
+    names = data.features.names
+    for left_out, name in enumerate(names if len(names) > 1 else ()):
+        kept = [index for index in range(len(names)) if index != left_out]
+        partial = hellinger_matrix([marginal(mixture, kept) for mixture in mixtures])
+        rows.append(row("features", f"without {name}", group_variants(partial, config)))
+    for count in _other_counts(mixtures):
+        refitted = hellinger_matrix(list(_refits(data, count, config, seed)))
+        rows.append(row("components", str(count), group_variants(refitted, config)))
+    return tuple(rows)
+
+
+def _changed_rules(config: AnalysisConfig) -> Iterator[tuple[str, str, AnalysisConfig]]:
+    for linkage in _LINKAGES:
+        if linkage != config.linkage:
+            changed = dataclasses.replace(config, linkage=cast(LinkageMethod, linkage))
+            yield "linkage", linkage, changed
+    cut_off = config.cut_off or DEFAULT_CUT_OFF.get(config.cut, 0.0)
+    if cut_off:
+        for factor in (0.8, 0.9, 1.1, 1.2):
+            changed = dataclasses.replace(config, cut_off=factor * cut_off)
+            yield "cut-off", f"{factor * cut_off:.3g}", changed
+    for depth in _DEPTHS:
+        changed = dataclasses.replace(
+            config,
+            cut="inconsistency",
+            cut_off=1.15 if depth == 2 else 0.0,
+            inconsistency_depth=depth,
+        )
+        yield "cut", f"inconsistency, {f'depth {depth}' if depth else 'full depth'}", changed
+    if config.cut != "largest gap":
+        yield "cut", "largest gap", dataclasses.replace(config, cut="largest gap")
+    if config.cut != "silhouette":
+        yield "cut", "silhouette", dataclasses.replace(config, cut="silhouette")
+    if config.cut != "abrupt":
+        yield "cut", "abrupt", dataclasses.replace(config, cut="abrupt", cut_off=0.0)
+    for size in (0, 1, 2, 3):
+        if size != config.small_group_size:
+            yield "small groups", str(size), dataclasses.replace(config, small_group_size=size)
+
+
+def _other_counts(mixtures: Sequence[Mixture]) -> list[int]:
+    own = max(mixture.n_components for mixture in mixtures)
+    return [count for count in (max(2, own // 2), own + own // 2) if count != own]
+
+
+def _refits(
+    data: VariantSamples, count: int, config: AnalysisConfig, seed: int
+) -> Iterator[Mixture]:
+    quick = dataclasses.replace(config, restarts=1)
+    for samples in data.samples:
+        prepared = Prepared(samples)
+        affordable = min(count, affordable_components(prepared.n_samples, config))
+        fit = prepared.fit(affordable, quick, seed)
+        yield mixture_of(fit, data.features.scaling, quick, affordable)
