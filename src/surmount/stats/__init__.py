@@ -1,1 +1,54 @@
 """The paper's statistics (III-E) and intervals over seeds."""
+
+from __future__ import annotations
+
+from surmount.stats.differences import NetworkDifference, network_difference
+from surmount.stats.evidence import (
+    PerformanceProfile,
+    SeedInterval,
+    bootstrap_interval,
+    difference_interval,
+    interquartile_mean,
+    performance_profile,
+    probability_of_improvement,
+)
+from surmount.stats.logrank import LogRank, log_rank
+from surmount.stats.mixed import CellMean, Interaction, MethodContrast, MixedModel, mixed_model
+from surmount.stats.proportions import (
+    ProportionIntervals,
+    ProportionTest,
+    proportion_intervals,
+    proportion_test,
+)
+from surmount.stats.result import JsonValue, Result
+from surmount.stats.survival import KaplanMeier, kaplan_meier
+from surmount.stats.thresholds import StepsToThreshold, steps_to_threshold
+
+__all__ = [
+    "CellMean",
+    "Interaction",
+    "JsonValue",
+    "KaplanMeier",
+    "LogRank",
+    "MethodContrast",
+    "MixedModel",
+    "NetworkDifference",
+    "PerformanceProfile",
+    "ProportionIntervals",
+    "ProportionTest",
+    "Result",
+    "SeedInterval",
+    "StepsToThreshold",
+    "bootstrap_interval",
+    "difference_interval",
+    "interquartile_mean",
+    "kaplan_meier",
+    "log_rank",
+    "mixed_model",
+    "network_difference",
+    "performance_profile",
+    "probability_of_improvement",
+    "proportion_intervals",
+    "proportion_test",
+    "steps_to_threshold",
+]
