@@ -165,7 +165,7 @@ def _build(cls: type[object], record: Record, *, prefix: str) -> object:
     return cls(**values)
 
 
-def _coerce(kind: Any, value: Any, key: str) -> object:  # noqa: ANN401 - a type form and any JSON
+def _coerce(kind: Any, value: Any, key: str) -> object:
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if dataclasses.is_dataclass(kind) and isinstance(value, dict):
         return _build(cast(type[object], kind), cast(Record, value), prefix=f"{key}.")
@@ -193,7 +193,7 @@ def _coerce(kind: Any, value: Any, key: str) -> object:  # noqa: ANN401 - a type
     raise _wrong_type(kind, value, key)
 
 
-def _coerce_union(arguments: tuple[Any, ...], value: Any, key: str) -> object:  # noqa: ANN401
+def _coerce_union(arguments: tuple[Any, ...], value: Any, key: str) -> object:
     if value is None and type(None) in arguments:
         return None
     for choice in arguments:

@@ -140,7 +140,7 @@ class ArtefactStore:
         return self.root / "stages" / stage / key[:KEY_LENGTH]
 
 
-def _is_index(files: Any) -> bool:  # noqa: ANN401 - whatever the JSON file held
+def _is_index(files: Any) -> bool:
     return isinstance(files, dict) and all(
         isinstance(name, str) and isinstance(digest, str) and ".." not in Path(name).parts
         for name, digest in files.items()

@@ -25,12 +25,20 @@ class TaskVectorEnv(Protocol):
     ``features`` into its infos, one row per environment.
     """
 
-    num_envs: int
-    render_mode: str | None
-    single_observation_space: gymnasium.Space[Any]
-    single_action_space: gymnasium.Space[Any]
     task_parameters: tuple[str, ...]
     feature_names: tuple[str, ...]
+    num_envs: int
+    render_mode: str | None
+
+    @property
+    def single_observation_space(self) -> gymnasium.spaces.Box:
+        """Observations of one environment."""
+        ...
+
+    @property
+    def single_action_space(self) -> gymnasium.spaces.Box:
+        """Actions of one environment."""
+        ...
 
     def set_task_distribution(self, distribution: TaskDistribution) -> None:
         """Draw the tasks of coming episodes from another distribution."""

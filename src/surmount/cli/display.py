@@ -1,0 +1,134 @@
+"""What a running experiment shows: bars on a terminal, plain lines elsewhere, and a log file."""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+from surmount.core.monitor import Progress as StageProgress
+from surmount.core.store import output_errors
+from surmount.experiment import StageEvent
+
+PLAIN_INTERVAL_S = 20.0
+"""Without a terminal, each stage prints a progress line at most this often."""
+
+
+class RunDisplay:
+    """Watches a run, for people.
+
+    Parameters
+    ----------
+    console
+        Where to show it.
+    log
+        File that every sentence is appended to, with its time.
+    """
+
+    def __init__(self, console: Console, log: Path) -> None:
+        self._console = console
+        with output_errors(log.parent):
+            log.parent.mkdir(parents=True, exist_ok=True)
+            self._log = log.open("a", encoding="utf-8")
+        self._bars = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(compact=True),
+            TextColumn("[dim]{task.fields[values]}"),
+            console=console,
+            disable=not console.is_terminal,
+        )
+        self._tasks: dict[str, TaskID] = {}
+        self._begun: dict[str, tuple[float, int]] = {}
+        self._told_at: dict[str, float] = {}
+
+    def __enter__(self) -> Self:
+        self._bars.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._bars.stop()
+        self._log.close()
+
+    def listen(self, event: StageEvent) -> None:
+        """Take what a running stage tells."""
+        if isinstance(event.told, str):
+            self._say(event.stage, event.told)
+        else:
+            self._advance(event.stage, event.told)
+
+    def note(self, sentence: str) -> None:
+        """Say something about the run as a whole."""
+        self._say("run", sentence)
+
+    def stage_reused(self, stage: str) -> None:
+        """Say that a stage was finished before."""
+        self._say(stage, "kept from an earlier call")
+
+    def stage_started(self, stage: str) -> None:
+        """Begin a bar."""
+        self._tasks[stage] = self._bars.add_task(escape(stage), total=None, rate="", values="")
+        self._say(stage, "begins", quietly=True)
+
+    def stage_finished(self, stage: str, seconds: float) -> None:
+        """End a bar."""
+        if stage in self._tasks:
+            self._bars.remove_task(self._tasks.pop(stage))
+        self._say(stage, f"finished in {seconds:.0f} s")
+
+    def _advance(self, stage: str, progress: StageProgress) -> None:
+        now = time.monotonic()
+        began, done_then = self._begun.setdefault(stage, (now, progress.done))
+        elapsed = now - began
+        rate = (progress.done - done_then) / elapsed if elapsed > 0 else 0.0
+        values = ", ".join(f"{name} {value:.3g}" for name, value in progress.values.items())
+        rate_text = f"{rate:,.0f} {progress.unit}/s" if rate else ""
+        if stage in self._tasks:
+            self._bars.update(
+                self._tasks[stage],
+                description=f"{escape(stage)} [dim]{escape(progress.label)}",
+                completed=progress.done,
+                total=max(progress.planned, progress.done),
+                rate=rate_text,
+                values=escape(values),
+            )
+        if not self._console.is_terminal and (
+            now - self._told_at.get(stage, float("-inf")) >= PLAIN_INTERVAL_S
+        ):
+            self._told_at[stage] = now
+            left = f", {(progress.planned - progress.done) / rate:,.0f} s left" if rate else ""
+            self._console.print(
+                f"{stage}: {progress.label}, {progress.done:,} of {progress.planned:,} "
+                f"{progress.unit} {rate_text}{left}; {values}",
+                highlight=False,
+                markup=False,
+                soft_wrap=True,
+            )
+
+    def _say(self, stage: str, sentence: str, *, quietly: bool = False) -> None:
+        moment = datetime.now(UTC).isoformat(timespec="seconds")
+        self._log.write(f"{moment} {stage}: {sentence}\n")
+        self._log.flush()
+        if not quietly:
+            text = f"[bold]{escape(stage)}[/bold]: {escape(sentence)}"
+            self._bars.console.print(text, highlight=False, soft_wrap=True)

@@ -1,0 +1,24 @@
+"""Options that several verbs share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from surmount.core.configuration import read_overrides
+from surmount.core.errors import ConfigError
+
+
+def overrides(file: Path | None, assignments: Sequence[str]) -> dict[str, Any]:
+    """Return the overrides of a file and, over them, those given as ``key=value``."""
+    changes = read_overrides(file) if file is not None else {}
+    for assignment in assignments:
+        key, equals, value = assignment.partition("=")
+        if not equals or not key.strip():
+            raise ConfigError(
+                f"`--set {assignment}` is not an assignment.",
+                remedy="Write it as key=value, for example learner.learning_rate=1e-4.",
+            )
+        changes[key.strip()] = value.strip()
+    return changes

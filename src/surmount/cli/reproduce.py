@@ -1,0 +1,118 @@
+"""``surmount reproduce``: the whole protocol of the paper on one obstacle."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+
+from surmount.cli.display import RunDisplay
+from surmount.cli.options import overrides
+from surmount.cli.summary import print_summary
+from surmount.core.configuration import override
+from surmount.core.errors import ConfigError
+from surmount.core.store import sole_user
+from surmount.experiment import (
+    ExperimentConfig,
+    GraphRunner,
+    begin,
+    load_config,
+    make_executor,
+    preset,
+    run,
+)
+from surmount.report import write_report
+
+INTERRUPTED = 130
+
+
+def reproduce(
+    obstacle: Annotated[str | None, tyro.conf.Positional] = None,
+    *,
+    out: Path,
+    preset: str = "smoke",
+    seeds: int | None = None,
+    resume: bool = False,
+    config: Path | None = None,
+    set: tuple[str, ...] = (),  # noqa: A002 - the option's name
+    processes: int = 2,
+) -> int:
+    """Run the paper's protocol on one obstacle, from the first learning step to the report.
+
+    Calling it again with the same options goes on where it stopped: finished stages are kept, and
+    training goes on from its last checkpoint to the same result. Ctrl-C stops cleanly.
+
+    Args:
+        obstacle: narrow-channel, low-entrance or step.
+        out: Folder for everything the run makes.
+        preset: smoke (minutes, shows the method at work) or paper (the paper's scale, many hours).
+        seeds: Number of independent initial networks; the preset's if not given.
+        resume: Go on with the run in --out, with its stored configuration.
+        config: TOML or JSON file of configuration keys to change; see `surmount config`.
+        set: Configuration keys to change, as key=value; they override the file.
+        processes: Worker processes of one thread each; 0 runs everything in this process.
+    """
+    changes = overrides(config, set)
+    if seeds is not None:
+        changes["networks"] = seeds
+    chosen = _stored(out, obstacle) if resume else _preset(obstacle, preset)
+    chosen = override(chosen, changes)
+    begin(out, chosen)
+    console = Console()
+    with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
+        executor = make_executor(processes, display.listen)
+        try:
+            outcome = run(out, chosen, executor, display, on_ready=_stop_on_signals(display.note))
+        finally:
+            executor.close()
+    if outcome.interrupted:
+        console.print(f"Stopped. Go on with: surmount reproduce --resume --out {out}")
+        return INTERRUPTED
+    page = write_report(out)
+    print_summary(console, out)
+    console.print(f"Report: {page.resolve()}", soft_wrap=True)
+    return 0
+
+
+def _preset(obstacle: str | None, name: str) -> ExperimentConfig:
+    if obstacle is None:
+        raise ConfigError(
+            "No obstacle was given.", remedy="Name narrow-channel, low-entrance or step."
+        )
+    return preset(obstacle, name)
+
+
+def _stored(out: Path, obstacle: str | None) -> ExperimentConfig:
+    stored = load_config(out)
+    if obstacle not in (None, stored.obstacle):
+        raise ConfigError(
+            f"{out} holds a run on {stored.obstacle}, not on {obstacle}.",
+            remedy="Leave the obstacle out, or choose another --out folder.",
+        )
+    return stored
+
+
+def _stop_on_signals(note: Callable[[str], None]) -> Callable[[GraphRunner], None]:
+    """Let the first Ctrl-C (or SIGTERM) save and stop, and the second end at once."""
+
+    def install(runner: GraphRunner) -> None:
+        asked = False
+
+        def handle(_number: int, _frame: FrameType | None) -> None:
+            nonlocal asked
+            if asked:
+                os._exit(INTERRUPTED)  # workers see that their parent has gone, and end too
+            asked = True
+            note("stopping at the next checkpoint; Ctrl-C again ends at once")
+            runner.stop()
+
+        signal.signal(signal.SIGINT, handle)
+        signal.signal(signal.SIGTERM, handle)
+
+    return install

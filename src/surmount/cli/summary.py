@@ -1,0 +1,59 @@
+"""The summary printed at the end of a run, read from its artefacts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from surmount.core.curriculum import Curriculum
+from surmount.core.records import read_record
+
+
+def print_summary(console: Console, root: Path) -> None:
+    """Print groups, levels and the comparison of both arms."""
+    stages = read_record(root / "index.json")["stages"]
+    curriculum = Curriculum.load(root / stages["analysis"] / "curriculum.json")
+    statistics = read_record(root / stages["statistics"] / "statistics.json")
+    table = Table(title="Success by group", title_justify="left")
+    for column in ("group", "variants", "initiation", "curriculum", "control", "test of equality"):
+        table.add_column(column)
+    rows = zip(
+        curriculum.groups,
+        statistics["initiation_by_group"],
+        statistics["groups_compared"],
+        strict=True,
+    )
+    for group, initial, compared in rows:
+        variants = group.variants[:, 0]
+        span = f"{variants.min():g} to {variants.max():g} ({len(variants)})"
+        table.add_row(
+            group.name,
+            span,
+            _share(initial),
+            _share(compared["arms"]["curriculum"]),
+            _share(compared["arms"]["control"]),
+            _verdict(compared["proportion_test"]),
+        )
+    console.print(table)
+    for number, level in enumerate(curriculum.levels, start=1):
+        weights = ", ".join(
+            f"{group.name} {weight:.2f}"
+            for group, weight in zip(curriculum.groups, level.weights, strict=True)
+        )
+        console.print(f"level {number}, for the group {level.dominant}: {weights}")
+    if not curriculum.levels:
+        console.print("no levels: every group already succeeds, so nothing was left to learn")
+
+
+def _share(count: dict[str, Any]) -> str:
+    successes, trials = count["successes"], count["trials"]
+    return f"{successes}/{trials} ({100 * successes / trials:.0f} %)"
+
+
+def _verdict(test: dict[str, Any]) -> str:
+    if test["p_value"] is None:
+        return "undefined: all trials ended alike"
+    return f"χ² = {test['statistic']:.2f}, p = {test['p_value']:.2g}"

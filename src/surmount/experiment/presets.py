@@ -1,0 +1,56 @@
+"""Presets: the paper's scale, and a small one that runs through in minutes."""
+
+from __future__ import annotations
+
+from surmount.analysis import AnalysisConfig
+from surmount.core.configuration import nearest
+from surmount.core.errors import ConfigError
+from surmount.envs import OBSTACLES
+from surmount.experiment.config import ExperimentConfig
+from surmount.learn import LearnerConfig, RolloutConfig
+from surmount.teachers import AdvancementConfig
+
+SCALES = ("smoke", "paper")
+INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_000_000}
+"""Learning steps of the initiation (paper III-C)."""
+SMOKE_INITIAL_STEPS = {"narrow-channel": 20_000, "low-entrance": 20_000, "step": 60_000}
+"""A small share of the paper's: enough to learn to drive, not to master the obstacle."""
+
+
+def preset(obstacle: str, scale: str) -> ExperimentConfig:
+    """Return the configuration of an obstacle at a scale.
+
+    ``paper`` follows the paper's section III, with five networks instead of two. ``smoke`` runs
+    every stage on a fraction of the steps and trials, to show the method at work and to test it;
+    its results say nothing about the method's merit.
+
+    Raises
+    ------
+    ConfigError
+        If the obstacle or the scale is unknown.
+    """
+    if obstacle not in OBSTACLES:
+        raise ConfigError(f"Unknown obstacle `{obstacle}`.", remedy=nearest(obstacle, [*OBSTACLES]))
+    if scale == "paper":
+        return ExperimentConfig(
+            obstacle=obstacle, scale=scale, initial_steps=INITIAL_STEPS[obstacle]
+        )
+    if scale == "smoke":
+        return ExperimentConfig(
+            obstacle=obstacle,
+            scale=scale,
+            networks=2,
+            initial_steps=SMOKE_INITIAL_STEPS[obstacle],
+            checkpoint_steps=10_000,
+            learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
+            trials=RolloutConfig(repetitions=6),
+            analysis=AnalysisConfig(max_components=12),
+            advancement=AdvancementConfig(
+                iteration_steps=30_000,
+                extension_steps=15_000,
+                window_steps=5_000,
+                max_extensions=2,
+            ),
+            tests=RolloutConfig(repetitions=6),
+        )
+    raise ConfigError(f"Unknown preset `{scale}`.", remedy=nearest(scale, [*SCALES]))

@@ -1,0 +1,176 @@
+"""Runs a graph of stages: what is missing and nothing else, several at a time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from surmount.core.errors import SurmountError
+from surmount.core.monitor import Interrupted
+from surmount.core.store import Artefact, ArtefactStore
+from surmount.experiment.executors import BrokenExecutor, Executor
+from surmount.experiment.graph import Stage, check_graph, dependencies
+from surmount.experiment.task import StageTask
+
+POLL_S = 0.1
+
+
+class RunObserver(Protocol):
+    """Watches a run: for a progress display or a log file."""
+
+    def stage_reused(self, stage: str) -> None:
+        """Take note that a stage was finished by an earlier call."""
+        ...
+
+    def stage_started(self, stage: str) -> None:
+        """Take note that a stage has begun."""
+        ...
+
+    def stage_finished(self, stage: str, seconds: float) -> None:
+        """Take note that a stage was finished now."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOutcome:
+    """What a run left.
+
+    Attributes
+    ----------
+    artefacts
+        Every finished stage by name.
+    seconds
+        Time that each stage run by this call took, by name.
+    interrupted
+        Whether the run was asked to stop before it was complete.
+    """
+
+    artefacts: dict[str, Artefact]
+    seconds: dict[str, float]
+    interrupted: bool
+
+
+class GraphRunner:
+    """Runs the stages of one graph through an executor.
+
+    Parameters
+    ----------
+    root
+        The output folder.
+    stages
+        The graph, in any order.
+    executor
+        Where stages run.
+    observer
+        Watches.
+    """
+
+    def __init__(
+        self, root: Path, stages: Iterable[Stage], executor: Executor, observer: RunObserver
+    ) -> None:
+        self._root = root
+        self._store = ArtefactStore(root)
+        self._waiting = check_graph(stages)
+        self._executor = executor
+        self._observer = observer
+        self._finished: dict[str, Artefact] = {}
+        self._running: dict[str, tuple[Future[Artefact], float]] = {}
+        self._seconds: dict[str, float] = {}
+        self._stopping = False
+        self._interrupted = False
+
+    def stop(self) -> None:
+        """Let running stages save themselves, and start no more."""
+        self._stopping = True
+        self._executor.stop()
+
+    def run(self) -> RunOutcome:
+        """Run until the graph is finished or the run is stopped.
+
+        Raises
+        ------
+        SurmountError
+            What the first failing stage found wrong, after the others have saved themselves.
+        """
+        failure: Exception | None = None
+        while self._waiting or self._running:
+            if not self._stopping:
+                self._start_ready()
+            if not self._running:
+                if self._stopping:
+                    break
+                continue
+            self._executor.poll(POLL_S)
+            failure = self._take_finished() or failure
+            if failure is not None and not self._stopping:
+                self.stop()
+        if failure is not None:
+            raise failure
+        return RunOutcome(
+            artefacts=dict(self._finished),
+            seconds=dict(self._seconds),
+            interrupted=self._interrupted or bool(self._waiting),
+        )
+
+    def _start_ready(self) -> None:
+        for name, stage in list(self._waiting.items()):
+            if not dependencies(stage) <= self._finished.keys():
+                continue
+            key = stage.key(self._finished)
+            found = self._store.find(name, key)
+            if found is not None:
+                del self._waiting[name]
+                self._finished[name] = found
+                self._observer.stage_reused(name)
+            elif len(self._running) < self._executor.slots and not self._stopping:
+                del self._waiting[name]
+                self._observer.stage_started(name)
+                began = time.monotonic()
+                self._running[name] = (self._executor.submit(self._task(stage, key)), began)
+
+    def _task(self, stage: Stage, key: str) -> StageTask:
+        return StageTask(
+            root=self._root,
+            name=stage.name,
+            key=key,
+            function=stage.function,
+            config=stage.config,
+            seed=stage.seed,
+            inputs={
+                role: tuple(self._finished[name] for name in names)
+                for role, names in stage.inputs.items()
+            },
+        )
+
+    def _take_finished(self) -> Exception | None:
+        """Take the stages that have ended, and return the first failure among them."""
+        failure: Exception | None = None
+        for name, (future, began) in list(self._running.items()):
+            if not future.done():
+                continue
+            del self._running[name]
+            error = future.exception()
+            if error is None:
+                self._finished[name] = future.result()
+                self._seconds[name] = time.monotonic() - began
+                self._observer.stage_finished(name, self._seconds[name])
+            elif isinstance(error, Interrupted):
+                self._interrupted = True
+                self._stopping = True
+            elif isinstance(error, BrokenExecutor):
+                failure = failure or SurmountError(
+                    f"A worker process was killed while stages were running, among them `{name}`.",
+                    remedy="Run the same command again: it goes on from the last checkpoint. If "
+                    "memory ran out, use fewer processes.",
+                )
+            else:
+                failure = failure or _as_exception(error)
+        return failure
+
+
+def _as_exception(error: BaseException) -> Exception:
+    return error if isinstance(error, Exception) else RuntimeError(str(error))

@@ -1,0 +1,165 @@
+"""The stages of the protocol: each a function of configuration, seed and input artefacts.
+
+=====================  ====================================================================
+stage                  files
+=====================  ====================================================================
+``initiation``         ``network.safetensors``, ``history.parquet``, ``episodes.parquet``,
+                       ``training.json``
+``trials``             ``trials.parquet``
+``analysis``           ``analysis.json``, ``curriculum.json``
+``curriculum``         as ``initiation``
+``control``            as ``initiation``
+``test-initiation``, … ``trials.parquet``
+=====================  ====================================================================
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from surmount.analysis import AnalysisConfig, determine_curriculum
+from surmount.core.configuration import from_record
+from surmount.core.curriculum import Curriculum
+from surmount.core.records import read_record, write_record
+from surmount.core.store import Artefact
+from surmount.core.teacher import Teacher
+from surmount.core.trial_table import read_trials, write_trials
+from surmount.core.trials import Trials
+from surmount.envs import EnvConfig
+from surmount.experiment.graph import StageContext
+from surmount.experiment.history_tables import write_history
+from surmount.experiment.task_family import TaskFamily, obstacle_family
+from surmount.learn import (
+    Actor,
+    Checkpointing,
+    LearnerConfig,
+    RolloutConfig,
+    Snapshot,
+    Trainer,
+    Training,
+    roll_out,
+)
+from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher
+
+NETWORK = "network.safetensors"
+TRAINING = "training.json"
+TRIALS = "trials.parquet"
+ANALYSIS = "analysis.json"
+CURRICULUM = "curriculum.json"
+SCHEMA = 1
+
+
+def initiate(context: StageContext) -> None:
+    """Train a new network briefly on uniform variants (II-A)."""
+    family = _family(context)
+    teacher = UniformTeacher(
+        family.whole_range, int(context.config["initial_steps"]), label="initiation"
+    )
+    _write_training(context, _train(context, family, teacher, start=None))
+
+
+def run_trials(context: StageContext) -> None:
+    """Roll a network out on every variant and log its behaviour (II-A, III-D)."""
+    family = _family(context)
+    config = from_record(RolloutConfig, context.config["trials"])
+    network = Snapshot.load(_only(context, "network").path(NETWORK))
+    env = family.trial_env(len(family.variants) * config.repetitions)
+    try:
+        actor = Actor(network, env.single_observation_space, env.single_action_space)
+        trials = roll_out(
+            env,
+            actor,
+            family.variants,
+            config,
+            network=int(context.config["network"]),
+            seed=context.seed,
+            monitor=context.monitor,
+        )
+    finally:
+        env.close()
+    write_trials(context.output / TRIALS, trials)
+
+
+def analyse(context: StageContext) -> None:
+    """Determine the curriculum from the trials of all networks (II-B)."""
+    config = from_record(AnalysisConfig, context.config["analysis"])
+    analysis = determine_curriculum(pooled_trials(context.inputs["trials"]), config)
+    write_record(context.output / ANALYSIS, analysis.to_record())
+    analysis.curriculum.save(context.output / CURRICULUM)
+    groups = ", ".join(
+        f"{group.name} {100 * group.success_rate:.0f} %" for group in analysis.curriculum.groups
+    )
+    context.monitor.log(
+        f"groups by success: {groups}; {analysis.curriculum.n_levels} level(s) to learn"
+    )
+
+
+def learn_levels(context: StageContext) -> None:
+    """Train an initial network on, level by level (II-C)."""
+    curriculum = Curriculum.load(_only(context, "analysis").path(CURRICULUM))
+    teacher = LevelTeacher(
+        [curriculum.level_distribution(level) for level in range(curriculum.n_levels)],
+        from_record(AdvancementConfig, context.config["advancement"]),
+    )
+    start = Snapshot.load(_only(context, "network").path(NETWORK))
+    _write_training(context, _train(context, _family(context), teacher, start=start))
+
+
+def learn_control(context: StageContext) -> None:
+    """Train the same initial network on for as many steps, on uniform variants (III-C)."""
+    family = _family(context)
+    steps = int(read_record(_only(context, "curriculum").path(TRAINING))["steps"])
+    teacher = UniformTeacher(family.whole_range, steps, label="control")
+    start = Snapshot.load(_only(context, "network").path(NETWORK))
+    _write_training(context, _train(context, family, teacher, start=start))
+
+
+def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
+    """Return the trials of several networks together."""
+    return Trials.concatenate([read_trials(artefact.path(TRIALS)) for artefact in artefacts])
+
+
+def _family(context: StageContext) -> TaskFamily:
+    return obstacle_family(
+        context.config["obstacle"], from_record(EnvConfig, context.config["env"])
+    )
+
+
+def _only(context: StageContext, role: str) -> Artefact:
+    (artefact,) = context.inputs[role]
+    return artefact
+
+
+def _train(
+    context: StageContext, family: TaskFamily, teacher: Teacher, *, start: Snapshot | None
+) -> Training:
+    config = from_record(LearnerConfig, context.config["learner"])
+    env = family.training_env(config.num_envs)
+    try:
+        trainer = Trainer(
+            env, teacher, config, seed=context.seed, start=start, log_folder=context.logs
+        )
+        return trainer.run(
+            context.monitor,
+            Checkpointing(
+                path=context.checkpoint / "training.safetensors",
+                interval_steps=int(context.config["checkpoint_steps"]),
+            ),
+        )
+    finally:
+        env.close()
+
+
+def _write_training(context: StageContext, training: Training) -> None:
+    history = training.history
+    training.network.save(context.output / NETWORK)
+    write_history(history, context.output)
+    record: dict[str, Any] = {
+        "schema": SCHEMA,
+        "steps": int(history.steps[-1]) if history.steps.size else 0,
+        "episodes": int(history.episodes.step.size),
+        "diverged_episodes": int(history.episodes.diverged.sum()),
+        "level_tests": [asdict(test) for test in training.tests],
+    }
+    write_record(context.output / TRAINING, record)

@@ -1,0 +1,180 @@
+"""The stage that compares both arms by the statistics of the paper (III-E) and over networks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.curriculum import Curriculum
+from surmount.core.records import write_record
+from surmount.core.trials import Trials
+from surmount.experiment.graph import StageContext
+from surmount.experiment.stages import CURRICULUM, pooled_trials
+from surmount.stats import (
+    bootstrap_interval,
+    difference_interval,
+    kaplan_meier,
+    log_rank,
+    mixed_model,
+    probability_of_improvement,
+    proportion_intervals,
+    proportion_test,
+)
+
+STATISTICS = "statistics.json"
+SCHEMA = 1
+ARMS = ("curriculum", "control")
+"""The two ways of going on from an initial network."""
+TIME = "time_s"
+PATHS = ("sprawl_deg", "fbem_deg")
+"""Features whose path lengths the paper compares (III-D)."""
+
+Record = dict[str, Any]
+
+
+def compare(context: StageContext) -> None:
+    """Write ``statistics.json``: success, completion time and path lengths of both arms."""
+    (analysis,) = context.inputs["analysis"]
+    curriculum = Curriculum.load(analysis.path(CURRICULUM))
+    initiation = pooled_trials(context.inputs["initiation"])
+    arms = {arm: pooled_trials(context.inputs[arm]) for arm in ARMS}
+    write_record(
+        context.output / STATISTICS,
+        {
+            "schema": SCHEMA,
+            "cap_s": context.config["cap_s"],
+            "groups": [group.name for group in curriculum.groups],
+            "success_by_variant": {
+                "initiation": success_by_variant(initiation),
+                **{arm: success_by_variant(trials) for arm, trials in arms.items()},
+            },
+            "initiation_by_group": [
+                {"group": group.name, **success_of(in_group(initiation, curriculum, index))}
+                for index, group in enumerate(curriculum.groups)
+            ],
+            "groups_compared": [
+                {"group": group.name, **compare_group(arms, curriculum, index)}
+                for index, group in enumerate(curriculum.groups)
+            ],
+            "path_lengths": {
+                path: compare_paths(arms, curriculum, path)
+                for path in PATHS
+                if path in initiation.feature_names
+            },
+            "networks": compare_networks(arms, context.seed),
+        },
+    )
+
+
+def groups_of(trials: Trials, curriculum: Curriculum) -> IntArray:
+    """Return the index of each trial's group, shape ``(trial,)``; −1 for variants of none."""
+    variants, index = trials.variants()
+    groups = [curriculum.group_of(variant) for variant in variants]
+    return np.array([-1 if group is None else group for group in groups], dtype=np.int64)[index]
+
+
+def in_group(trials: Trials, curriculum: Curriculum, group: int) -> Trials:
+    """Return the trials on the variants of one group."""
+    return trials.select(groups_of(trials, curriculum) == group)
+
+
+def success_of(trials: Trials) -> Record:
+    """Return how many trials succeeded, and how many there are."""
+    return {"successes": int(trials.success.sum()), "trials": trials.n_trials}
+
+
+def success_by_variant(trials: Trials) -> list[Record]:
+    """Return successes and trials of each variant with Wilson's interval, ascending."""
+    variants, index = trials.variants()
+    total = np.bincount(index, minlength=len(variants))
+    successes = np.bincount(index[trials.success], minlength=len(variants))
+    intervals = proportion_intervals(successes, total)
+    return [
+        {
+            "variant": variant.tolist(),
+            "successes": int(successes[row]),
+            "trials": int(total[row]),
+            "lower": intervals.lower[row],
+            "upper": intervals.upper[row],
+        }
+        for row, variant in enumerate(variants)
+    ]
+
+
+def compare_group(arms: dict[str, Trials], curriculum: Curriculum, group: int) -> Record:
+    """Compare success and completion time of both arms in one group."""
+    chosen = {arm: in_group(trials, curriculum, group) for arm, trials in arms.items()}
+    won = [int(chosen[arm].success.sum()) for arm in ARMS]
+    totals = [chosen[arm].n_trials for arm in ARMS]
+    times = {arm: trials.final(TIME) for arm, trials in chosen.items()}
+    return {
+        "arms": {arm: success_of(trials) for arm, trials in chosen.items()},
+        "proportion_test": proportion_test(won, totals).to_record(),
+        "survival": {
+            arm: kaplan_meier(times[arm], chosen[arm].success).to_record() for arm in ARMS
+        },
+        "log_rank": log_rank(
+            np.concatenate([times[arm] for arm in ARMS]),
+            np.concatenate([chosen[arm].success for arm in ARMS]),
+            np.repeat(ARMS, totals),
+        ).to_record(),
+    }
+
+
+def compare_paths(arms: dict[str, Trials], curriculum: Curriculum, path: str) -> Record:
+    """Compare the path length of a feature over successful trials (III-E).
+
+    Without any successful trial the record holds a ``reason`` and no contrasts.
+    """
+    if not any(trials.success.any() for trials in arms.values()):
+        return {
+            "response": path,
+            "means": [],
+            "contrasts": [],
+            "reason": "No trial of either arm succeeded, so there is no path to compare.",
+        }
+    columns: dict[str, list[Any]] = {path: [], "group": [], "method": [], "network": []}
+    names = [group.name for group in curriculum.groups]
+    for arm, trials in arms.items():
+        won = trials.success
+        columns[path].append(trials.path_length(path)[won])
+        columns["group"].append(np.array(names)[groups_of(trials, curriculum)[won]])
+        columns["method"].append(np.full(int(won.sum()), arm))
+        columns["network"].append(trials.network[won])
+    return mixed_model(
+        {name: np.concatenate(parts) for name, parts in columns.items()},
+        response=path,
+        group="group",
+        method="method",
+        subject="network",
+        groups=names,
+        methods=ARMS,
+    ).to_record()
+
+
+def compare_networks(arms: dict[str, Trials], seed: int) -> Record:
+    """Return the evidence over networks, which the paper lacks: each network is one observation."""
+    scores = {arm: success_matrix(trials) for arm, trials in arms.items()}
+    first, second = scores[ARMS[0]], scores[ARMS[1]]
+    return {
+        "interquartile_mean": {
+            arm: bootstrap_interval(matrix, seed=seed).to_record() for arm, matrix in scores.items()
+        },
+        "difference": difference_interval(first, second, paired=True, seed=seed).to_record(),
+        "probability_of_improvement": probability_of_improvement(
+            first, second, paired=True, seed=seed
+        ).to_record(),
+    }
+
+
+def success_matrix(trials: Trials) -> FloatArray:
+    """Return the success rate of each network on each variant, shape ``(network, variant)``."""
+    variants, variant = trials.variants()
+    networks, network = np.unique(trials.network, return_inverse=True)
+    cell = network * len(variants) + variant
+    cells = len(networks) * len(variants)
+    total = np.bincount(cell, minlength=cells)
+    won = np.bincount(cell[trials.success], minlength=cells)
+    return (won / total).reshape(len(networks), len(variants))

@@ -1,0 +1,71 @@
+"""The whole protocol, as small as it can be: seconds instead of hours, nothing left out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from surmount.core.configuration import override
+from surmount.core.records import read_record
+from surmount.experiment import ExperimentConfig, begin, make_executor, preset, run
+
+SMALL = {
+    "networks": 2,
+    "initial_steps": 600,
+    "checkpoint_steps": 300,
+    "env.decision_interval_s": 0.1,
+    "env.episode_s": 2.0,
+    "learner.hidden_layers": [16, 16],
+    "learner.rollout_steps": 32,
+    "learner.batch_size": 96,
+    "trials.repetitions": 2,
+    "tests.repetitions": 1,
+    "analysis.components": 2,
+    "analysis.bootstrap": 5,
+    "advancement.iteration_steps": 600,
+    "advancement.extension_steps": 300,
+    "advancement.window_steps": 200,
+    "advancement.max_extensions": 1,
+}
+
+
+def small_config(obstacle: str = "narrow-channel", **changes) -> ExperimentConfig:
+    return override(preset(obstacle, "smoke"), SMALL | changes)
+
+
+class Watcher:
+    """Keeps what a run told."""
+
+    def __init__(self):
+        self.started, self.sentences = [], []
+
+    def stage_reused(self, stage):
+        pass
+
+    def stage_started(self, stage):
+        self.started.append(stage)
+
+    def stage_finished(self, stage, seconds):
+        pass
+
+    def listen(self, event):
+        if isinstance(event.told, str):
+            self.sentences.append((event.stage, event.told))
+
+
+def run_small(root: Path, config: ExperimentConfig, processes: int = 0):
+    begin(root, config)
+    watcher = Watcher()
+    executor = make_executor(processes, watcher.listen)
+    try:
+        outcome = run(root, config, executor, watcher)
+    finally:
+        executor.close()
+    return outcome, watcher
+
+
+def content(root: Path) -> dict[str, dict[str, str]]:
+    """Return the SHA-256 of every file of every finished stage."""
+    return {
+        path.parent.relative_to(root).as_posix(): read_record(path)["files"]
+        for path in sorted(root.glob("stages/**/manifest.json"))
+    }

@@ -1,0 +1,187 @@
+"""The protocol runs from end to end, and gives the same bytes however it is run."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small import content, run_small, small_config
+
+from surmount.core.curriculum import Curriculum
+from surmount.core.errors import OutputError
+from surmount.core.records import read_record
+from surmount.core.trial_table import read_trials
+from surmount.core.trials import Trials
+from surmount.experiment import begin, load_config
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    root = tmp_path_factory.mktemp("run")
+    outcome, watcher = run_small(root, small_config())
+    assert not outcome.interrupted
+    return root, outcome, watcher
+
+
+def stage_file(outcome, stage: str, name: str) -> Path:
+    return outcome.artefacts[stage].path(name)
+
+
+def trials_of_arm(outcome, arm: str) -> Trials:
+    return Trials.concatenate(
+        [read_trials(stage_file(outcome, f"test-{arm}/network-{i}", "trials.parquet"))
+         for i in range(2)]
+    )  # fmt: skip
+
+
+def test_every_stage_of_the_method_is_run(finished):
+    _, outcome, _ = finished
+    per_network = ["initiation", "trials", "curriculum", "control", "test-curriculum",
+                   "test-control"]  # fmt: skip
+    expected = {f"{kind}/network-{i}" for kind in per_network for i in range(2)}
+    assert outcome.artefacts.keys() == expected | {"analysis", "statistics"}
+
+
+def test_trials_cover_every_variant_and_repetition_of_every_network(finished):
+    _, outcome, _ = finished
+    for network in range(2):
+        trials = read_trials(stage_file(outcome, f"trials/network-{network}", "trials.parquet"))
+        variants, index = trials.variants()
+        assert variants[:, 0].tolist() == list(range(180, 321, 10))  # method 2: 15 widths
+        assert np.bincount(index).tolist() == [2] * 15
+        assert (trials.network == network).all()
+        assert (trials.final("time_s") <= 2.0 + 1e-9).all()
+
+
+def test_control_trains_exactly_as_long_as_the_curriculum(finished):
+    _, outcome, _ = finished
+    for network in range(2):
+        steps = {
+            arm: read_record(stage_file(outcome, f"{arm}/network-{network}", "training.json"))
+            for arm in ("curriculum", "control")
+        }
+        assert steps["control"]["steps"] == steps["curriculum"]["steps"] > 0
+        assert steps["curriculum"]["level_tests"]
+        assert not steps["control"]["level_tests"]
+
+
+def test_statistics_count_what_the_trials_hold(finished):
+    _, outcome, _ = finished
+    statistics = read_record(stage_file(outcome, "statistics", "statistics.json"))
+    curriculum = Curriculum.load(stage_file(outcome, "analysis", "curriculum.json"))
+    for arm in ("curriculum", "control"):
+        trials = trials_of_arm(outcome, arm)
+        rows = statistics["success_by_variant"][arm]
+        for row in rows:
+            chosen = trials.variant[:, 0] == row["variant"][0]
+            assert row["trials"] == chosen.sum()
+            assert row["successes"] == trials.success[chosen].sum()
+        for group, compared in zip(curriculum.groups, statistics["groups_compared"], strict=True):
+            chosen = np.isin(trials.variant[:, 0], group.variants[:, 0])
+            assert compared["arms"][arm] == {
+                "successes": trials.success[chosen].sum(),
+                "trials": chosen.sum(),
+            }
+            assert compared["survival"][arm]["n_events"] == trials.success[chosen].sum()
+
+
+def test_two_processes_give_the_same_bytes_as_none(finished, tmp_path):
+    root, _, _ = finished
+    outcome, _ = run_small(tmp_path, small_config(), processes=2)
+    assert not outcome.interrupted
+    assert content(tmp_path) == content(root)
+
+
+def test_a_second_call_runs_nothing(finished):
+    root, outcome, _ = finished
+    again, watcher = run_small(root, small_config())
+    assert watcher.started == []
+    assert again.artefacts == outcome.artefacts
+
+
+def test_a_deleted_stage_is_made_again_and_the_rest_kept(finished, tmp_path):
+    root, _, _ = finished
+    copy = tmp_path / "copy"
+    shutil.copytree(root, copy)
+    shutil.rmtree(copy / "stages" / "test-control" / "network-1")
+    _, watcher = run_small(copy, small_config())
+    assert watcher.started == ["test-control/network-1"]
+    assert content(copy) == content(root)
+
+
+def killed_runs(root: Path, delays: list[float]) -> int:
+    """Start the run in a process of its own, kill it after each delay, and count the kills."""
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "from pathlib import Path\n"
+        "from small import run_small, small_config\n"
+        "if __name__ == '__main__':\n"
+        "    run_small(Path(sys.argv[2]), small_config(), processes=2)\n"
+    )
+    script = root.parent / "small_run.py"
+    script.write_text(program, encoding="utf-8")
+    kills = 0
+    for delay in delays:
+        process = subprocess.Popen([sys.executable, str(script), str(HERE), str(root)])  # noqa: S603
+        try:
+            process.wait(timeout=delay)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            kills += 1
+            time.sleep(1.5)  # workers notice that their parent has gone
+    return kills
+
+
+def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path):
+    root, _, _ = finished
+    killed = tmp_path / "killed"
+    assert killed_runs(killed, [7.0, 9.0]) == 2
+    outcome, _ = run_small(killed, small_config())
+    assert not outcome.interrupted
+    assert content(killed) == content(root)
+
+
+@pytest.mark.slow
+def test_ten_kills_at_random_moments_change_nothing(finished, tmp_path):
+    root, _, _ = finished
+    killed = tmp_path / "killed"
+    rng = random.Random(0)  # noqa: S311
+    killed_runs(killed, [rng.uniform(3.0, 12.0) for _ in range(10)])
+    run_small(killed, small_config())
+    assert content(killed) == content(root)
+
+
+def test_another_configuration_in_the_folder_is_refused_with_the_difference(finished):
+    root, _, _ = finished
+    with pytest.raises(OutputError, match=r"`initial_steps` is 600 there and 900 here") as caught:
+        begin(root, small_config(initial_steps=900))
+    assert "--resume" in caught.value.remedy
+
+
+def test_a_folder_with_other_files_is_refused(tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work", encoding="utf-8")
+    with pytest.raises(OutputError, match="not of an experiment"):
+        begin(tmp_path, small_config())
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_the_configuration_is_read_back_from_the_folder(finished):
+    root, _, _ = finished
+    assert load_config(root) == small_config()
+
+
+@pytest.mark.parametrize("obstacle", ["low-entrance", "step"])
+@pytest.mark.slow
+def test_the_protocol_runs_on_the_other_obstacles(tmp_path, obstacle):
+    outcome, _ = run_small(tmp_path, small_config(obstacle), processes=2)
+    assert not outcome.interrupted

@@ -1,0 +1,141 @@
+"""The runner runs what is missing and nothing else, in this process and in others alike."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+import toy_stages
+
+from surmount.core.errors import IntegrityError, LearningError, SurmountError
+from surmount.core.records import read_record
+from surmount.experiment import GraphRunner, InProcessExecutor, ProcessExecutor
+from surmount.experiment.graph import Stage, check_graph
+
+
+class Observer:
+    def __init__(self):
+        self.reused, self.started, self.finished, self.told = [], [], [], []
+
+    def stage_reused(self, stage):
+        self.reused.append(stage)
+
+    def stage_started(self, stage):
+        self.started.append(stage)
+
+    def stage_finished(self, stage, seconds):
+        self.finished.append(stage)
+
+    def listen(self, event):
+        self.told.append(event)
+
+
+def graph(n=1, seed=0):
+    parts = [
+        Stage(name=f"part/{i}", function=toy_stages.number, config={"n": n * i}, seed=seed)
+        for i in range(3)
+    ]
+    names = tuple(stage.name for stage in parts)
+    return [Stage(name="total", function=toy_stages.total, inputs={"parts": names}), *parts]
+
+
+def run(root, stages, processes=0):
+    observer = Observer()
+    executor = (
+        ProcessExecutor(processes, observer.listen)
+        if processes
+        else InProcessExecutor(observer.listen)
+    )
+    try:
+        return GraphRunner(root, stages, executor, observer).run(), observer
+    finally:
+        executor.close()
+
+
+@pytest.mark.parametrize("processes", [0, 2])
+def test_stages_run_after_their_inputs_and_only_once(tmp_path, processes):
+    outcome, observer = run(tmp_path, graph(), processes)
+    total = outcome.artefacts["total"].path("n.json")
+    assert read_record(total)["n"] == 0 + 1 + 2
+    assert observer.started[-1] == "total"
+    again, second = run(tmp_path, graph())
+    assert second.started == []
+    assert len(second.reused) == 4
+    assert again.artefacts == outcome.artefacts
+
+
+def test_only_what_a_change_touches_runs_again(tmp_path):
+    run(tmp_path, graph(n=1))
+    _, observer = run(tmp_path, graph(n=5))
+    # part/0 has configuration 0 either way; the others and their sum differ.
+    assert sorted(observer.started) == ["part/1", "part/2", "total"]
+
+
+def test_seed_and_version_are_part_of_the_key(tmp_path):
+    stages = {stage.name: stage for stage in graph()}
+    part = stages["part/1"]
+    keys = {
+        part.key({}),
+        Stage(**(vars(part) | {"seed": 1})).key({}),
+        Stage(**(vars(part) | {"version": 2})).key({}),
+        Stage(**(vars(part) | {"config": {"n": 2}})).key({}),
+        Stage(**(vars(part) | {"function": toy_stages.total})).key({}),
+    }
+    assert len(keys) == 5
+
+
+@pytest.mark.parametrize("processes", [0, 1])
+def test_a_stopped_stage_goes_on_from_its_checkpoint(tmp_path, processes):
+    stages = [Stage(name="count", function=toy_stages.count_slowly)]
+    observer = Observer()
+    make = (lambda listen: ProcessExecutor(1, listen)) if processes else InProcessExecutor
+    executor = make(observer.listen)
+    runner = GraphRunner(tmp_path, stages, executor, observer)
+    threading.Timer(0.3, runner.stop).start()
+    outcome = runner.run()
+    executor.close()
+    assert outcome.interrupted
+    assert outcome.artefacts == {}
+    resumed, second = run(tmp_path, stages)
+    starts = [event.told for event in second.told if isinstance(event.told, str)]
+    assert starts != ["starts at 0"]
+    assert not resumed.interrupted
+    assert read_record(resumed.artefacts["count"].path("n.json"))["n"] == 50
+
+
+@pytest.mark.parametrize("processes", [0, 1])
+def test_what_a_stage_finds_wrong_reaches_the_caller_whole(tmp_path, processes):
+    stages = [*graph(), Stage(name="bad", function=toy_stages.fail)]
+    with pytest.raises(LearningError) as caught:
+        run(tmp_path, stages, processes)
+    assert caught.value.remedy == "Lower the learning rate."
+
+
+def test_a_killed_worker_is_reported_and_the_next_call_goes_on(tmp_path):
+    stages = [Stage(name="mortal", function=toy_stages.die)]
+    with pytest.raises(SurmountError, match=r"worker process was killed.*`mortal`") as caught:
+        run(tmp_path, stages, processes=1)
+    assert "Run the same command again" in caught.value.remedy
+    outcome, _ = run(tmp_path, stages, processes=1)
+    assert read_record(outcome.artefacts["mortal"].path("n.json"))["n"] == 1
+
+
+def test_an_input_edited_by_one_byte_stops_the_stages_that_take_it(tmp_path):
+    outcome, _ = run(tmp_path, graph()[1:])
+    path = outcome.artefacts["part/2"].folder / "n.json"
+    path.write_text(path.read_text().replace("2", "3"))
+    with pytest.raises(IntegrityError, match=r"part/2.*n\.json"):
+        run(tmp_path, graph())
+
+
+@pytest.mark.parametrize(
+    "stages",
+    [
+        [Stage(name="a", function=toy_stages.total, inputs={"parts": ("b",)})],
+        [Stage(name="a", function=toy_stages.total, inputs={"parts": ("a",)})],
+        [Stage(name="a", function=toy_stages.number)] * 2,
+    ],
+)
+def test_impossible_graphs_are_refused(stages):
+    with pytest.raises(ValueError, match="a"):
+        check_graph(stages)
