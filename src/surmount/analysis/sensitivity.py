@@ -5,12 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
 from surmount.analysis.agreement import adjusted_rand
-from surmount.analysis.configuration import AnalysisConfig, LinkageMethod
+from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.cut import DEFAULT_CUT_OFF, cut_dendrogram
 from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.features import VariantSamples
@@ -115,7 +114,7 @@ def assess_sensitivity(
 def _changed_rules(config: AnalysisConfig) -> Iterator[tuple[str, str, AnalysisConfig]]:
     for linkage in _LINKAGES:
         if linkage != config.linkage:
-            changed = dataclasses.replace(config, linkage=cast(LinkageMethod, linkage))
+            changed = dataclasses.replace(config, linkage=linkage)
             yield "linkage", linkage, changed
     cut_off = config.cut_off or DEFAULT_CUT_OFF.get(config.cut, 0.0)
     if cut_off:

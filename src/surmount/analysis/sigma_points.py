@@ -61,9 +61,10 @@ def sigma_points(mixture: Mixture) -> SigmaPoints:
 def frame(mixture: Mixture) -> FloatArray:
     """Return axes that move along with the mixture under affine maps, as columns.
 
-    The axes whiten the mixture's total covariance and diagonalise the mean covariance of its
-    components. Where two of them cannot be told apart (a single component, or round shapes), the
-    features' own axes are taken, so that rounding never decides.
+    The axes whiten the mixture's total covariance and diagonalise a mean of its components'
+    covariances in which larger components weigh more, so that the mean has no symmetry that the
+    components do not have. Where two axes cannot be told apart (a single component, or round
+    shapes), the features' own axes are taken, so that rounding never decides.
 
     Returns
     -------
@@ -71,15 +72,17 @@ def frame(mixture: Mixture) -> FloatArray:
         Shape ``(feature, feature)``, invertible.
     """
     d = mixture.n_features
-    centred = mixture.means - mixture.weights @ mixture.means
-    within = np.einsum("k,kij->ij", mixture.weights, mixture.covariances)
-    between = (mixture.weights[:, None] * centred).T @ centred
     if mixture.n_components == 1:
         return np.eye(d)
-    root = np.linalg.cholesky(within + between)
-    half = np.linalg.solve(root, within)
-    white = np.linalg.solve(root, half.T)
-    values, vectors = np.linalg.eigh(0.5 * (white + white.T))
+    centred = mixture.means - mixture.weights @ mixture.means
+    total = np.einsum("k,kij->ij", mixture.weights, mixture.covariances)
+    total += (mixture.weights[:, None] * centred).T @ centred
+    root = np.linalg.cholesky(total)
+    inverse = np.linalg.inv(root)
+    white = inverse @ mixture.covariances @ inverse.T
+    sizes = np.exp(np.linalg.slogdet(white)[1] / d)
+    mean = np.einsum("k,kij->ij", mixture.weights * sizes / sizes.max(), white)
+    values, vectors = np.linalg.eigh(0.5 * (mean + mean.T))
     if d > 1 and np.diff(values).min() < _TIE * values[-1]:
         return np.eye(d)
     return root @ vectors
