@@ -1,0 +1,51 @@
+"""``surmount analyze``: logged trials of any robot into a curriculum."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from surmount.analysis import AnalysisConfig, determine_curriculum
+from surmount.analysis.explanation import describe_curriculum
+from surmount.cli.options import overrides
+from surmount.core.configuration import override
+from surmount.core.store import output_errors, sole_user
+from surmount.core.trial_table import read_trials
+from surmount.report import write_analysis_figures
+
+
+def analyze(
+    trials: Annotated[Path, tyro.conf.Positional],
+    *,
+    out: Path,
+    config: Path | None = None,
+    set: tuple[str, ...] = (),  # noqa: A002 - the option's name
+) -> int:
+    """Turn logged trials into a curriculum, with every reason kept.
+
+    Writes curriculum.json (to read, edit and train by), analysis.json (the evidence; see `surmount
+    show --why`) and figures.
+
+    Args:
+        trials: Long table, Parquet or CSV: variant, network, trial, success, then one column per
+            feature, one row per time step.
+        out: Folder for the results.
+        config: TOML or JSON file of analysis options to change, such as linkage = "complete".
+        set: Analysis options to change, as key=value; they override the file.
+    """
+    chosen = override(AnalysisConfig(), overrides(config, set))
+    table = read_trials(
+        trials, minimum_variants=2, minimum_samples=chosen.min_samples_per_component
+    )
+    with sole_user(out), output_errors(out):
+        analysis = determine_curriculum(table, chosen)
+        analysis.save(out / "analysis.json")
+        analysis.curriculum.save(out / "curriculum.json")
+        write_analysis_figures(analysis.to_record(), out / "figures")
+    print("\n".join(describe_curriculum(analysis.curriculum)))
+    for warning in analysis.warnings:
+        print(f"Note: {warning}")
+    print(f"Written to {out}: curriculum.json, analysis.json, figures/")
+    return 0

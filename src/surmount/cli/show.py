@@ -1,0 +1,57 @@
+"""``surmount show``: a curriculum, or the reasons for it, in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from surmount.analysis import Analysis
+from surmount.analysis.explanation import describe_curriculum, explain_analysis
+from surmount.core.curriculum import Curriculum
+from surmount.core.errors import InputError
+from surmount.core.records import read_record
+
+ANALYSIS_KIND = "surmount analysis"
+
+
+def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:
+    """Print groups, ranges, success, levels and weights.
+
+    Args:
+        file: A curriculum.json or analysis.json, or a folder with one: of `surmount analyze`, or
+            of a run.
+        why: Walk the evidence as well: BIC curve, links of the dendrogram, merges, stability.
+    """
+    path = _resolve(file, why=why)
+    record = read_record(path)
+    if record.get("kind") == ANALYSIS_KIND:
+        analysis = Analysis.from_record(record, source=str(path))
+        lines = explain_analysis(analysis) if why else describe_curriculum(analysis.curriculum)
+    elif why:
+        raise InputError(
+            f"{path} is a curriculum, and does not hold the reasons for it.",
+            remedy="Give the analysis.json that was written beside it.",
+        )
+    else:
+        lines = describe_curriculum(Curriculum.load(path))
+    print("\n".join(lines))
+    return 0
+
+
+def _resolve(path: Path, *, why: bool) -> Path:
+    """Return the file meant: itself, or the one in a folder of results or of a run."""
+    if not path.is_dir():
+        return path
+    folder = path
+    if (path / "index.json").is_file():
+        stages = read_record(path / "index.json").get("stages", {})
+        folder = path / str(stages.get("analysis", ""))
+    name = "analysis.json" if why else "curriculum.json"
+    if not (folder / name).is_file():
+        raise InputError(
+            f"There is no {name} in {path}.",
+            remedy="Give a file, or the --out folder of `surmount analyze` or of a finished run.",
+        )
+    return folder / name

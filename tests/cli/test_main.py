@@ -1,0 +1,212 @@
+"""Every wrong call ends in one sentence, a remedy and its exit code, never in a traceback."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from small import SMALL, small_config
+
+from surmount.cli.main import run
+from surmount.core.configuration import dotted_keys, override, read_overrides
+from surmount.core.records import read_record, write_record
+from surmount.core.trial_table import write_trials
+from surmount.core.trials import Trials
+from surmount.experiment import ExperimentConfig, begin, preset
+
+
+def call(capsys, *arguments) -> tuple[int, str, str]:
+    code = run([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def reproduce(capsys, out, *arguments):
+    return call(capsys, "reproduce", *arguments, "--out", out, "--processes", 0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence", "remedy"),
+    [
+        (["stepp"], "Unknown obstacle `stepp`.", "Did you mean `step`?"),
+        (["step", "--preset", "papper"], "Unknown preset `papper`.", "Did you mean `paper`?"),
+        ([], "No obstacle was given.", "narrow-channel"),
+        (["step", "--set", "learner.lr=1"], "Unknown configuration key `learner.lr`.", "Did you"),
+        (["step", "--set", "seed"], "`--set seed` is not an assignment.", "key=value"),
+        (["step", "--seeds", "0"], "`networks` is 0.", "at least 1"),
+        (["step", "--config", "no.toml"], "no.toml cannot be read", "readable"),
+        (["step", "--set", "learner.batch_size=77"], "not a multiple of", "learner.batch_size"),
+        (["step", "--set", "env.robot.friction=-1"], "friction", "Give a value"),
+    ],
+)
+def test_wrong_options_end_with_code_2(capsys, tmp_path, arguments, sentence, remedy):
+    code, _, err = reproduce(capsys, tmp_path / "out", *arguments)
+    assert code == 2
+    assert sentence in err
+    assert remedy in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unwritable_folder_ends_with_code_4(capsys, tmp_path):
+    (tmp_path / "file").write_text("x", encoding="utf-8")
+    code, _, err = reproduce(capsys, tmp_path / "file" / "out", "step")
+    assert code == 4
+    assert "is not a folder" in err
+
+
+def test_a_foreign_folder_ends_with_code_4(capsys, tmp_path):
+    (tmp_path / "thesis.tex").write_text("x", encoding="utf-8")
+    code, _, err = reproduce(capsys, tmp_path, "step")
+    assert code == 4
+    assert "not of an experiment" in err
+
+
+def test_a_folder_of_another_configuration_ends_with_code_4(capsys, tmp_path):
+    begin(tmp_path, small_config())
+    code, _, err = reproduce(capsys, tmp_path, "narrow-channel", "--preset", "smoke")
+    assert code == 4
+    assert "made by another configuration" in err
+
+
+def test_resuming_where_nothing_is_ends_with_code_4(capsys, tmp_path):
+    code, _, err = reproduce(capsys, tmp_path, "--resume")
+    assert code == 4
+    assert "There is no experiment" in err
+
+
+def test_resuming_another_obstacle_is_refused(capsys, tmp_path):
+    begin(tmp_path, small_config())
+    code, _, err = reproduce(capsys, tmp_path, "step", "--resume")
+    assert code == 2
+    assert "holds a run on narrow-channel, not on step" in err
+
+
+def test_a_missing_extra_ends_with_code_6(tmp_path):
+    program = (
+        "import sys; sys.modules['mujoco'] = None\n"
+        "from surmount.cli.main import run; sys.exit(run(['config', 'step']))"
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 6
+    assert "pip install 'surmount[robot]'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_printed_configuration_is_read_back_unchanged(capsys, tmp_path):
+    code, out, _ = call(capsys, "config", "step", "--preset", "paper")
+    path = tmp_path / "c.toml"
+    path.write_text(out, encoding="utf-8")
+    changes = read_overrides(path)
+    assert code == 0
+    assert list(changes) == dotted_keys(ExperimentConfig)
+    assert override(preset("low-entrance", "smoke"), changes) == preset("step", "paper")
+
+
+def test_help_names_every_verb(capsys):
+    with pytest.raises(SystemExit) as ended:
+        run(["--help"])
+    assert ended.value.code == 0
+    out = capsys.readouterr().out
+    for verb in ("reproduce", "analyze", "report", "show", "config"):
+        assert verb in out
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    root = tmp_path_factory.mktemp("cli") / "run"
+    options = [f"--set={key}={json.dumps(value)}" for key, value in SMALL.items()]
+    options += ["--set=networks=1", "--processes=0", f"--out={root}"]
+    code = run(["reproduce", "narrow-channel", "--preset", "smoke", *options])
+    return root, code
+
+
+def test_reproduce_runs_to_the_report(finished):
+    root, code = finished
+    assert code == 0
+    page = (root / "report.html").read_text(encoding="utf-8")
+    assert "<html" in page
+    log = (root / "logs" / "run.log").read_text(encoding="utf-8")
+    assert "threshold 0.1" in log
+
+
+def test_resume_alone_goes_on_with_the_stored_configuration(finished, capsys):
+    root, _ = finished
+    code, out, _ = reproduce(capsys, root, "--resume")
+    assert code == 0
+    assert "kept from an earlier call" in out
+    assert str(root / "report.html") in out
+
+
+def test_show_prints_the_curriculum_of_a_run_and_why(finished, capsys):
+    root, _ = finished
+    code, out, _ = call(capsys, "show", root)
+    assert code == 0
+    assert "Curriculum over width_mm" in out
+    code, out, _ = call(capsys, "show", root, "--why")
+    assert code == 0
+    assert "BIC" in out
+
+
+def test_a_damaged_artefact_ends_with_code_5(finished, capsys, tmp_path):
+    root, _ = finished
+    (path,) = root.glob("stages/statistics/*/statistics.json")
+    whole = path.read_bytes()
+    try:
+        write_record(path, read_record(path) | {"cap_s": 1.0})
+        code, _, err = call(capsys, "report", root)
+    finally:
+        path.write_bytes(whole)
+    assert code == 5
+    assert str(path) in err
+    assert "Delete" in err
+
+
+def two_behaviours() -> Trials:
+    """Trials of a made-up robot: narrow variants are passed slowly, wide ones fast."""
+    rng = np.random.default_rng(0)
+    variants, repetitions, steps = np.arange(8.0), 4, 40
+    trials = len(variants) * repetitions
+    variant = np.repeat(variants, repetitions)
+    speed = np.where(variant < 4, 1.0, 5.0)
+    time = np.tile(np.arange(steps) * 0.1, trials)
+    place = np.repeat(speed, steps) * time + rng.normal(0, 0.1, trials * steps)
+    return Trials(
+        parameters=("width_mm",),
+        feature_names=("time_s", "place_m"),
+        variant=variant[:, None],
+        network=np.zeros(trials, dtype=np.int64),
+        repetition=np.tile(np.arange(repetitions), len(variants)),
+        success=variant >= 4,
+        starts=np.arange(trials + 1) * steps,
+        features=np.stack([time, place], axis=1),
+    )
+
+
+@pytest.mark.parametrize("suffix", ["parquet", "csv"])
+def test_analyze_turns_any_trials_into_a_curriculum(capsys, tmp_path, suffix):
+    path = tmp_path / f"trials.{suffix}"
+    write_trials(path, two_behaviours())
+    out = tmp_path / "out"
+    code, printed, _ = call(capsys, "analyze", path, "--out", out, "--set", "components=2")
+    assert code == 0
+    groups = read_record(out / "curriculum.json")["groups"]
+    assert [len(group["variants"]) for group in groups] == [4, 4]
+    assert [group["success_rate"] for group in groups] == [1.0, 0.0]
+    assert "1 level" in printed
+    assert list((out / "figures").glob("*.svg"))
+    code, printed, _ = call(capsys, "show", out, "--why")
+    assert code == 0
+    assert "components" in printed
+
+
+def test_analyze_refuses_what_is_no_table(capsys, tmp_path):
+    path = tmp_path / "trials.csv"
+    path.write_text("a,b\n1,2\n", encoding="utf-8")
+    code, _, err = call(capsys, "analyze", path, "--out", tmp_path / "out")
+    assert code == 3
+    assert "variant" in err
