@@ -297,7 +297,7 @@ def random_run(name, steps, config=None):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_random_actions_neither_diverge_nor_push_the_robot_into_floor_or_obstacle(name):
-    deepest_mm, diverged, fastest = random_run(name, 3_000)
+    deepest_mm, diverged, fastest = random_run(name, 2_000)
     assert diverged == 0
     assert 0.0 < deepest_mm < 6.0
     assert fastest < 5.0

@@ -7,7 +7,8 @@ import pytest
 from surmount.core.errors import ConfigError
 from surmount.robot import RobotConfig, add_robot, kinematics
 from surmount.robot import constants as c
-from surmount.robot.model import SIDES, wheel_names
+from surmount.robot.parts import SIDES
+from surmount.robot.running_gear import wheel_names
 
 TO_MM = 0.5  # the tolerance the project sets itself for compiled against closed form
 

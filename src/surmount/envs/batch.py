@@ -16,20 +16,20 @@ from surmount.core.errors import ConfigError, InputError
 from surmount.core.tasks import TaskDistribution
 from surmount.envs import rewards
 from surmount.envs.config import EnvConfig
+from surmount.envs.infos import Infos, final_infos
 from surmount.envs.observations import (
     FEATURE_NAMES,
     Measures,
+    Observations,
     features,
     observation_terms,
     observe,
 )
 from surmount.envs.obstacles import find_obstacle
+from surmount.envs.options import read_options
 from surmount.envs.rendering import FrameRenderer, Window
 from surmount.envs.simulation import ACTIONS, Simulation
 from surmount.envs.starts import fixed_start, random_start
-
-Observations = npt.NDArray[np.float32]
-Infos = dict[str, Any]
 
 STATE_SCHEMA = 1
 """Version of :meth:`ObstacleVectorEnv.state_dict`."""
@@ -183,18 +183,8 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
                 f"parameters are {self.task_parameters}.",
                 remedy="Push a distribution made for this obstacle.",
             )
-        self._check_sizes(np.concatenate([distribution.lower, distribution.upper]))
+        self.obstacle.check_sizes(np.concatenate([distribution.lower, distribution.upper]))
         self._distribution = distribution
-
-    def _check_sizes(self, sizes_mm: FloatArray) -> None:
-        low, high = self.obstacle.admissible
-        inside = (sizes_mm >= low) & (sizes_mm <= high)
-        if not inside.all():
-            raise InputError(
-                f"{self.obstacle.name}: {self.obstacle.parameter} {sizes_mm[~inside][0]:g} is not "
-                "admissible.",
-                remedy=f"Give sizes from {low:g} to {high:g} mm.",
-            )
 
     # Episodes ---------------------------------------------------------------------------------
 
@@ -222,20 +212,10 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         InputError
             If an option is unknown or does not fit.
         """
-        options = dict(options or {})
-        mask = _mask(options.pop("reset_mask", None), self.num_envs)
-        start = options.pop("start", "random")
-        variant = self._given_variant(options.pop("variant", None))
-        if start not in ("random", "fixed") or options:
-            what = f"start={start!r}" if not options else ", ".join(map(repr, options))
-            raise InputError(
-                f"Reset does not know the option {what}.",
-                remedy="Options are variant, start ('random' or 'fixed') and reset_mask.",
-            )
+        chosen = read_options(options, self.obstacle, self.num_envs)
         self._seed(seed)
-        if self._measures is None:
-            mask = np.ones(self.num_envs, dtype=np.bool_)
-        self._begin(np.flatnonzero(mask), variant, fixed=start == "fixed")
+        mask = chosen.mask | (self._measures is None)
+        self._begin(np.flatnonzero(mask), chosen.variant, fixed=chosen.fixed)
         return self._observation(), self._infos()
 
     def _seed(self, seed: int | Sequence[int | None] | None) -> None:
@@ -253,22 +233,6 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             return
         super().reset(seed=int(seed))
         self._generators = _spawn(np.random.SeedSequence(int(seed)), self.num_envs)
-
-    def _given_variant(self, value: npt.ArrayLike | None) -> FloatArray | None:
-        if value is None:
-            return None
-        given = np.asarray(value, dtype=np.float64)
-        shape = (self.num_envs, len(self.task_parameters))
-        if given.shape == (self.num_envs,):
-            given = given[:, None]
-        if given.shape not in ((), shape):
-            raise InputError(
-                f"The variant has shape {given.shape}.",
-                remedy=f"Give one size in mm, or an array of shape {shape[:1]} or {shape}.",
-            )
-        given = np.broadcast_to(given, shape)
-        self._check_sizes(given)
-        return given
 
     def _begin(self, envs: IntArray, variant: FloatArray | None, *, fixed: bool) -> None:
         """Begin an episode in each of ``envs``, drawing what is not given."""
@@ -307,7 +271,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             self._begin(np.flatnonzero(done), None, fixed=False)
             terminated[done] = truncated[done] = False
         elif self.autoreset_mode is AutoresetMode.SAME_STEP and ended.any():
-            infos = _final(self._observation(), self._infos(), ended)
+            infos = final_infos(self._observation(), self._infos(), ended)
             self._begin(np.flatnonzero(ended), None, fixed=False)
         if self.render_mode == "human":
             self.render()
@@ -445,32 +409,3 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
 
 def _spawn(sequence: np.random.SeedSequence, count: int) -> list[np.random.Generator]:
     return [np.random.Generator(np.random.PCG64(child)) for child in sequence.spawn(count)]
-
-
-def _mask(given: npt.ArrayLike | None, num_envs: int) -> BoolArray:
-    mask = np.ones(num_envs, dtype=np.bool_) if given is None else np.asarray(given)
-    if mask.shape != (num_envs,) or mask.dtype != np.bool_:
-        raise InputError(
-            f"The reset mask has shape {mask.shape} and type {mask.dtype}.",
-            remedy=f"Give booleans of shape {(num_envs,)}.",
-        )
-    return mask
-
-
-def _final(observation: Observations, infos: Infos, ended: BoolArray) -> Infos:
-    """Return Gymnasium's entries for episodes that end and begin anew in the same step."""
-    final_obs = np.full(ended.size, None, dtype=object)
-    for env in np.flatnonzero(ended).tolist():
-        final_obs[env] = observation[env].copy()
-    final_info: Infos = {}
-    for key, value in infos.items():
-        if not key.startswith("_"):
-            shown = np.zeros_like(value)
-            shown[ended] = value[ended]
-            final_info[key], final_info[f"_{key}"] = shown, ended.copy()
-    return {
-        "final_obs": final_obs,
-        "_final_obs": ended.copy(),
-        "final_info": final_info,
-        "_final_info": ended.copy(),
-    }

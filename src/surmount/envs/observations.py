@@ -11,6 +11,8 @@ from surmount.core.arrays import FloatArray
 from surmount.envs.obstacles import Obstacle
 from surmount.robot import constants as c
 
+Observations = npt.NDArray[np.float32]
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measures:
@@ -72,7 +74,7 @@ def observation_terms(obstacle: Obstacle) -> tuple[ObservationTerm, ...]:
 
 def observe(
     terms: tuple[ObservationTerm, ...], measures: Measures, size_mm: FloatArray
-) -> npt.NDArray[np.float32]:
+) -> Observations:
     """Return observations of shape ``(env, term)`` within the terms' bounds.
 
     The distance to the obstacle is signed: positive before its front face, negative beyond.

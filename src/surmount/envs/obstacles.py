@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
-from surmount.core.errors import ConfigError
+from surmount.core.errors import ConfigError, InputError
 from surmount.envs.config import CourseConfig
 from surmount.robot import kinematics
 from surmount.robot.kinematics import Gear
@@ -83,6 +83,16 @@ class Obstacle:
     def admissible(self) -> tuple[float, float]:
         """Sizes that the environment accepts, in mm: the range and one spacing around it."""
         return self.lower - self.spacing, self.upper + self.spacing
+
+    def check_sizes(self, sizes_mm: FloatArray) -> None:
+        """Raise :class:`InputError` unless all sizes are admissible."""
+        low, high = self.admissible
+        inside = (sizes_mm >= low) & (sizes_mm <= high)
+        if not inside.all():
+            raise InputError(
+                f"{self.name}: {self.parameter} {sizes_mm[~inside].flat[0]:g} is not admissible.",
+                remedy=f"Give sizes from {low:g} to {high:g} mm.",
+            )
 
 
 OBSTACLES: Mapping[str, Obstacle] = MappingProxyType(

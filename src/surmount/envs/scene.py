@@ -9,7 +9,8 @@ import mujoco
 
 from surmount.envs.config import EnvConfig
 from surmount.envs.obstacles import POST_HEIGHT_M, POST_THICKNESS_M, Obstacle, blocks
-from surmount.robot.model import WORLD_BIT, add_robot
+from surmount.robot.model import add_robot
+from surmount.robot.parts import WORLD_BIT
 
 FLOOR_THICKNESS_M = 0.04
 """Thickness of the floor; nothing lies below."""

@@ -17,7 +17,8 @@ from surmount.envs.observations import Measures
 from surmount.envs.obstacles import Obstacle, block_positions, blocks
 from surmount.envs.scene import build_model
 from surmount.envs.starts import Start
-from surmount.robot.model import SIDES, rolling_radius_m, wheel_names
+from surmount.robot.parts import SIDES
+from surmount.robot.running_gear import rolling_radius_m, wheel_names
 
 ACTIONS = ("speed", "fbem", "sprawl")
 """Actions in the paper's order: rates of the three targets, as fractions of their limits."""

@@ -11,11 +11,13 @@ from gymnasium import Env
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.tasks import TaskDistribution
-from surmount.envs.batch import RENDER_MODES, Infos, ObstacleVectorEnv
+from surmount.envs.batch import RENDER_MODES, ObstacleVectorEnv
 from surmount.envs.config import EnvConfig
+from surmount.envs.infos import Infos
+from surmount.envs.observations import Observations
 
 
-class ObstacleEnv(Env[npt.NDArray[np.float32], npt.NDArray[Any]]):
+class ObstacleEnv(Env[Observations, npt.NDArray[Any]]):
     """One course; observations, actions, rewards and endings as :class:`ObstacleVectorEnv`.
 
     Trajectories are bit-identical to those of the vector environment, whatever its size.
@@ -66,7 +68,7 @@ class ObstacleEnv(Env[npt.NDArray[np.float32], npt.NDArray[Any]]):
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[npt.NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Observations, dict[str, Any]]:
         """Begin an episode; see :meth:`ObstacleVectorEnv.reset`."""
         super().reset(seed=seed)
         observation, infos = self._vector.reset(
@@ -75,9 +77,7 @@ class ObstacleEnv(Env[npt.NDArray[np.float32], npt.NDArray[Any]]):
         self._np_random = self._vector.generator(0)
         return observation[0], _first(infos)
 
-    def step(
-        self, action: npt.ArrayLike
-    ) -> tuple[npt.NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    def step(self, action: npt.ArrayLike) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
         """Hold ``action`` of shape ``(3,)`` for a decision interval."""
         observation, reward, terminated, truncated, infos = self._vector.step(
             np.asarray(action)[None]

@@ -1,0 +1,57 @@
+"""What ties and drives RSTAR's joints: parallelograms and servos."""
+
+# MuJoCo's bindings are compiled and carry no annotations.
+# pyright: reportAttributeAccessIssue=false, reportUnknownParameterType=false
+
+from __future__ import annotations
+
+import mujoco
+
+from surmount.robot.config import RobotConfig
+
+
+def add_parallelogram(spec: mujoco.MjSpec, side: str, config: RobotConfig) -> None:
+    """Tie carrier and rear rod to the front rod: q_carrier = −q_fbem, q_rear = q_fbem."""
+    for follower, ratio in ((f"{side}_carrier", -1.0), (f"{side}_rear_rod", 1.0)):
+        spec.add_equality(
+            name=follower,
+            type=mujoco.mjtEq.mjEQ_JOINT,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+            name1=follower,
+            name2=f"{side}_fbem",
+            data=[0.0, ratio, *([0.0] * 10)],
+            # As stiff as the time step allows (twice the tick), critically damped.
+            solref=[2 * config.physics_tick_s, 1.0],
+            solimp=[0.99, 0.999, 0.001, 0.5, 2.0],
+        )
+
+
+def add_servo(
+    spec: mujoco.MjSpec,
+    joint: str,
+    *,
+    gains: tuple[float, float],
+    torque_nm: float,
+    target: tuple[float, float],
+    rate: float,
+) -> None:
+    """Add a servo whose control is the rate of its target.
+
+    A stiffness of zero makes a speed servo: its target is an angular speed.
+    """
+    stiffness, damping = gains
+    gain = stiffness if stiffness > 0 else damping
+    servo = spec.add_actuator(name=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
+    servo.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
+    servo.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+    servo.gainprm[0] = gain
+    servo.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    servo.biasprm[1] = -stiffness
+    servo.biasprm[2] = -damping
+    servo.actlimited = True
+    servo.actrange = target
+    servo.ctrllimited = True
+    servo.ctrlrange = (-rate, rate)
+    servo.forcelimited = True
+    servo.forcerange = (-torque_nm, torque_nm)
+    servo.actearly = True
