@@ -64,6 +64,10 @@ def assess_stability(
     from the analysis's own fits leaves out the chance of the starts. With a single network only
     trials are drawn, and nothing is said about another training run.
 
+    The bootstrap errs on the cautious side: drawing again adds the noise of the trials a second
+    time, which makes gaps within groups about √2 wider and leaves gaps between groups as they
+    are, so a boundary that only just divides here often fails to divide in a replicate.
+
     Parameters
     ----------
     trials
@@ -86,7 +90,7 @@ def assess_stability(
     pairs = np.triu_indices(n_variants, 1)
     for replicate in range(config.bootstrap):
         rng = generator(config.seed, "bootstrap", replicate)
-        weights = _resampled(trials, rng)
+        weights = resampled(trials, rng)
         mixtures = [
             _refit(phi, start, weights[origin].astype(np.float64), config)
             for phi, start, origin in prepared
@@ -113,7 +117,7 @@ def assess_stability(
     )
 
 
-def _resampled(trials: Trials, rng: np.random.Generator) -> IntArray:
+def resampled(trials: Trials, rng: np.random.Generator) -> IntArray:
     """Return how often each trial was drawn: networks first, then trials within variants."""
     _, variant = trials.variants()
     networks, network = np.unique(trials.network, return_inverse=True)

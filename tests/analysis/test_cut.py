@@ -1,0 +1,113 @@
+"""Cuts: groups are found where similarities change abruptly, and only there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sklearn.metrics import adjusted_rand_score, silhouette_score
+
+from surmount import AnalysisConfig
+from surmount.analysis.agreement import adjusted_rand
+from surmount.analysis.cut import abruptness, cut_dendrogram, mean_silhouette, separation
+from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.sensitivity import group_variants
+
+from .strategies import seeds
+
+LINKAGES = ("average", "complete", "single", "weighted", "ward")
+
+
+def from_positions(positions, noise=0.0, seed=0):
+    """Distances of unit Gaussians at positions on a line, with a floor as estimates have."""
+    positions = np.asarray(positions, dtype=float)
+    shift = np.abs(positions[:, None] - positions)
+    jitter = 1.0 + noise * np.random.default_rng(seed).standard_normal(shift.shape)
+    shift = np.hypot(shift, 0.8 * np.triu(jitter, 1) + 0.8 * np.triu(jitter, 1).T)
+    np.fill_diagonal(shift, 0.0)
+    return np.sqrt(1.0 - np.exp(-np.square(shift) / 8.0))
+
+
+def test_separation_of_gaussians_is_proportional_to_their_shift():
+    shift = np.array([0.5, 1.0, 4.0, 10.0])
+    hellinger = np.sqrt(1.0 - np.exp(-np.square(shift) / 8.0))
+    np.testing.assert_allclose(separation(hellinger), shift / np.sqrt(8.0), rtol=1e-9)
+
+
+@pytest.mark.parametrize("linkage", LINKAGES)
+@pytest.mark.parametrize("sizes", [(5, 5), (3, 12), (4, 4, 4), (3, 3, 3, 3, 3, 3), (10, 4, 7)])
+def test_jumps_between_runs_divide_for_every_linkage(linkage, sizes):
+    positions, truth = [], []
+    for run, size in enumerate(sizes):
+        positions += [12.0 * run + 0.4 * place for place in range(size)]
+        truth += [run] * size
+    config = AnalysisConfig(linkage=linkage)
+    found = group_variants(from_positions(positions, noise=0.1), config)
+    assert found.tolist() == truth
+
+
+@pytest.mark.parametrize("linkage", LINKAGES)
+@pytest.mark.parametrize("step", [0.0, 0.3, 1.0, 3.0])
+def test_steady_drift_is_not_divided(linkage, step):
+    distances = from_positions(step * np.arange(18), noise=0.1)
+    assert group_variants(distances, AnalysisConfig(linkage=linkage)).max() == 0
+
+
+@given(seed=seeds, n=st.integers(3, 15))
+@settings(max_examples=50, deadline=None)
+def test_grouping_does_not_depend_on_the_order_of_variants(seed, n):
+    rng = np.random.default_rng(seed)
+    distances = from_positions(10.0 * rng.integers(0, 3, n) + rng.random(n), noise=0.05, seed=seed)
+    order = rng.permutation(n)
+    plain = group_variants(distances, AnalysisConfig())
+    shuffled = group_variants(distances[np.ix_(order, order)], AnalysisConfig())
+    assert adjusted_rand(plain[order], shuffled) == 1.0
+
+
+def test_abruptness_of_two_runs_is_the_ratio_of_the_gaps():
+    distances = from_positions([0.0, 1.0, 2.0, 20.0, 21.0, 22.0])
+    dendrogram = build_dendrogram(distances, "single")
+    apart = separation(distances)
+    expected = apart[2, 3] / apart[0, 1]
+    assert abruptness(dendrogram, distances)[-1] == pytest.approx(expected, rel=1e-9)
+
+
+def test_identical_recordings_do_not_make_everything_abrupt():
+    distances = np.zeros((6, 6))
+    assert group_variants(distances, AnalysisConfig()).max() == 0
+
+
+def test_fixed_count_gives_the_number_asked_for():
+    config = AnalysisConfig(cut="fixed count", group_count=4)
+    distances = from_positions(np.arange(12.0))
+    cut = cut_dendrogram(build_dendrogram(distances, "average"), distances, config)
+    assert cut.labels.max() == 3
+
+
+@pytest.mark.parametrize("cut", ["largest gap", "silhouette"])
+def test_other_rules_find_two_far_apart_runs(cut):
+    distances = from_positions([0.0, 0.2, 0.4, 30.0, 30.2, 30.4], noise=0.05)
+    assert group_variants(distances, AnalysisConfig(cut=cut)).tolist() == [0, 0, 0, 1, 1, 1]
+
+
+@given(seed=seeds, n=st.integers(4, 20))
+@settings(max_examples=40, deadline=None)
+def test_silhouette_is_that_of_scikit_learn(seed, n):
+    rng = np.random.default_rng(seed)
+    distances = from_positions(10.0 * rng.random(n))
+    labels = rng.integers(0, 3, n)
+    labels[:3] = 0, 1, 2
+    _, labels = np.unique(labels, return_inverse=True)
+    if labels.max() + 1 >= n:
+        return
+    theirs = silhouette_score(distances, labels, metric="precomputed")
+    assert mean_silhouette(distances, labels) == pytest.approx(theirs, abs=1e-9)
+
+
+@given(seed=seeds, n=st.integers(1, 20), k=st.integers(1, 5))
+@settings(max_examples=80, deadline=None)
+def test_adjusted_rand_index_is_that_of_scikit_learn(seed, n, k):
+    rng = np.random.default_rng(seed)
+    a, b = rng.integers(0, k, n), rng.integers(0, k, n)
+    assert adjusted_rand(a, b) == pytest.approx(adjusted_rand_score(a, b), abs=1e-12)
