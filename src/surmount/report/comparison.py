@@ -1,0 +1,189 @@
+"""The comparison of both arms as ``statistics.json`` has it, back in the records of the tests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+from surmount.report.run_folder import ARMS, Record
+from surmount.stats import (
+    Interaction,
+    KaplanMeier,
+    LogRank,
+    MethodContrast,
+    ProportionTest,
+    SeedInterval,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Success:
+    """Successes among trials."""
+
+    successes: int
+    trials: int
+
+    @property
+    def rate(self) -> float | None:
+        """Share of successes; ``None`` without trials."""
+        return self.successes / self.trials if self.trials else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class VariantSuccess:
+    """Success on one variant with Wilson's interval."""
+
+    variant: tuple[float, ...]
+    success: Success
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GroupComparison:
+    """Both arms in one group.
+
+    Attributes
+    ----------
+    group
+        Name of the group.
+    arms
+        Success by arm.
+    proportion_test, log_rank
+        Of equal success rates and of equal completion times.
+    survival
+        Curve of the trials not finished yet, by arm.
+    """
+
+    group: str
+    arms: Mapping[str, Success]
+    proportion_test: ProportionTest
+    survival: Mapping[str, KaplanMeier]
+    log_rank: LogRank
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathComparison:
+    """Path lengths of one feature over successful trials, by a linear mixed model.
+
+    Attributes
+    ----------
+    contrasts
+        Curriculum minus control in each group.
+    interaction
+        Whether this difference is the same in all groups; ``None`` without a model.
+    degrees_of_freedom_rule
+        How degrees of freedom were found; empty without a model.
+    singular_note
+        What is to be known where the variance between networks is estimated as zero.
+    reason
+        Why there is no model, if there is none.
+    """
+
+    contrasts: tuple[MethodContrast, ...]
+    interaction: Interaction | None
+    degrees_of_freedom_rule: str
+    singular_note: str | None
+    reason: str | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison:
+    """All of ``statistics.json``.
+
+    Attributes
+    ----------
+    cap_s
+        Time after which a trial ends as failed, in s.
+    by_variant
+        Success by what had been learnt (initiation and both arms) and variant, ascending.
+    groups
+        From easy to difficult.
+    path_lengths
+        By feature.
+    interquartile_mean
+        Of the success rates over networks, by arm.
+    difference, probability_of_improvement
+        Curriculum against control, over networks.
+    """
+
+    cap_s: float
+    by_variant: Mapping[str, tuple[VariantSuccess, ...]]
+    groups: tuple[GroupComparison, ...]
+    path_lengths: Mapping[str, PathComparison]
+    interquartile_mean: Mapping[str, SeedInterval]
+    difference: SeedInterval
+    probability_of_improvement: SeedInterval
+
+
+def comparison_of(record: Record) -> Comparison:
+    """Build from the JSON form; a ``KeyError`` or ``TypeError`` tells of another version."""
+    networks = record["networks"]
+    return Comparison(
+        cap_s=float(record["cap_s"]),
+        by_variant={
+            kind: tuple(
+                VariantSuccess(
+                    variant=tuple(row["variant"]),
+                    success=_success(row),
+                    lower=float(row["lower"]),
+                    upper=float(row["upper"]),
+                )
+                for row in rows
+            )
+            for kind, rows in record["success_by_variant"].items()
+        },
+        groups=tuple(_group(entry) for entry in record["groups_compared"]),
+        path_lengths={path: _paths(model) for path, model in record["path_lengths"].items()},
+        interquartile_mean={
+            arm: SeedInterval(**networks["interquartile_mean"][arm]) for arm in ARMS
+        },
+        difference=SeedInterval(**networks["difference"]),
+        probability_of_improvement=SeedInterval(**networks["probability_of_improvement"]),
+    )
+
+
+def _success(record: Record) -> Success:
+    return Success(successes=int(record["successes"]), trials=int(record["trials"]))
+
+
+def _group(record: Record) -> GroupComparison:
+    return GroupComparison(
+        group=str(record["group"]),
+        arms={arm: _success(record["arms"][arm]) for arm in ARMS},
+        proportion_test=ProportionTest(**record["proportion_test"]),
+        survival={arm: _curve(record["survival"][arm]) for arm in ARMS},
+        log_rank=LogRank(**record["log_rank"]),
+    )
+
+
+def _curve(record: Record) -> KaplanMeier:
+    arrays: dict[str, Any] = {
+        name: np.asarray(record[name], dtype=kind)
+        for name, kind in (
+            ("time", np.float64),
+            ("survival", np.float64),
+            ("at_risk", np.int64),
+            ("events", np.int64),
+            ("censored", np.int64),
+        )
+    }
+    return KaplanMeier(**(record | arrays))
+
+
+def _paths(record: Record) -> PathComparison:
+    interaction = record.get("interaction")
+    note = record.get("singular_note")
+    reason = record.get("reason")
+    return PathComparison(
+        contrasts=tuple(
+            MethodContrast(**contrast) for contrast in cast(list[Record], record["contrasts"])
+        ),
+        interaction=None if interaction is None else Interaction(**interaction),
+        degrees_of_freedom_rule=str(record.get("degrees_of_freedom_rule", "")),
+        singular_note=None if note is None else str(note),
+        reason=None if reason is None else str(reason),
+    )

@@ -1,0 +1,33 @@
+"""The contents of a run's page, in reading order."""
+
+from __future__ import annotations
+
+from surmount.report.document import Document, Section
+from surmount.report.grouping_section import grouping_section
+from surmount.report.learning_section import learning_section
+from surmount.report.paper_section import paper_section
+from surmount.report.provenance_section import provenance_section
+from surmount.report.results import RunResults
+from surmount.report.summary import facts, notices, summary
+from surmount.report.testing_section import evidence_section, testing_section
+
+
+def document_of(results: RunResults) -> Document:
+    """Lay out the page of a run."""
+    folder, comparison = results.folder, results.comparison
+    sections: list[Section | None] = [
+        grouping_section(results.analysis),
+        learning_section(results),
+        testing_section(results.analysis, comparison, results.tests),
+        evidence_section(comparison),
+        paper_section(folder, results.analysis, comparison),
+        provenance_section(folder),
+    ]
+    return Document(
+        title=f"RSTAR and the {folder.obstacle.replace('-', ' ')}",
+        subtitle="A curriculum determined from the robot's own behaviour, and what it was worth",
+        notices=tuple(notices(folder)),
+        summary=tuple(summary(results)),
+        facts=facts(results),
+        sections=tuple(section for section in sections if section is not None),
+    )

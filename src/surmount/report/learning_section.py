@@ -1,0 +1,152 @@
+"""Section: learning curves, and every test of eq. 5 with what it measured and decided."""
+
+from __future__ import annotations
+
+from surmount.core.teacher import LevelTest
+from surmount.report.document import Block, Column, Fold, Notice, Paragraph, Section, Table
+from surmount.report.learning_figure import learning_curves
+from surmount.report.palette import ARM_STYLES
+from surmount.report.results import RunResults
+from surmount.report.run_folder import TRAININGS
+from surmount.report.text import counted, integer, number, signed
+
+FEW_TESTS = 12
+"""Up to so many tests are shown at once; more are folded network by network."""
+
+
+def learning_section(results: RunResults) -> Section:
+    """Show how every network learnt."""
+    blocks: list[Block] = []
+    for measure in ("reward", "success"):
+        figure = learning_curves(results.trainings, measure)
+        if figure is not None:
+            blocks.append(figure)
+    if not blocks:
+        blocks.append(
+            Notice(title="Not there yet", sentences=("No network has finished its initiation.",))
+        )
+    blocks.append(training_table(results))
+    blocks += level_tests(results)
+    return Section(anchor="learning", title="Learning", blocks=tuple(blocks))
+
+
+def training_table(results: RunResults) -> Table:
+    """Return steps, episodes and diverged episodes of each training."""
+    rows = [
+        (
+            str(network),
+            ARM_STYLES[kind].name,
+            integer(training.total_steps),
+            integer(training.episodes),
+            integer(training.diverged_episodes),
+        )
+        for kind in TRAININGS
+        for network, training in results.trainings[kind].items()
+    ]
+    diverged = sum(
+        training.diverged_episodes
+        for found in results.trainings.values()
+        for training in found.values()
+    )
+    return Table(
+        label="",
+        title="What was learnt on",
+        columns=(
+            Column(heading="network"),
+            Column(heading="stage"),
+            Column(heading="learning steps", numeric=True),
+            Column(heading="episodes", numeric=True),
+            Column(heading="diverged", numeric=True),
+        ),
+        rows=tuple(sorted(rows, key=lambda row: int(row[0]))),
+        notes=(
+            (
+                f"Diverged: {counted(diverged, 'episode')} in all ended because the physics left "
+                "its limits."
+            ),
+        ),
+    )
+
+
+def level_tests(results: RunResults) -> list[Block]:
+    """Return a table of all level tests, or one per network where there are many."""
+    found = {
+        network: training.level_tests
+        for network, training in results.trainings["curriculum"].items()
+        if training.level_tests
+    }
+    if not found:
+        return []
+    window = "rF and rL sum the reward over the first and the last W learning steps of an iteration"
+    intro = Paragraph(
+        text=f"A level ends when (rL − rF) of its newest iteration falls below a set share of "
+        f"(rL − rF) of its first iteration (eq. 5); {window}. Every test made:"
+    )
+    rows = {network: [_row(network, test) for test in tests] for network, tests in found.items()}
+    if sum(map(len, rows.values())) <= FEW_TESTS:
+        everything = [row for own in rows.values() for row in own]
+        words = tuple(_words(network, tests) for network, tests in found.items())
+        return [
+            intro,
+            _table("Every level test", everything),
+            Fold(summary="The same in words", blocks=words),
+        ]
+    return [
+        intro,
+        *(
+            Fold(
+                summary=f"Network {network}: {counted(len(own), 'level test')}",
+                blocks=(
+                    _table(f"Level tests of network {network}", own),
+                    _words(network, found[network]),
+                ),
+            )
+            for network, own in rows.items()
+        ),
+    ]
+
+
+def _words(network: int, tests: tuple[LevelTest, ...]) -> Table:
+    return Table(
+        label="",
+        title=f"What was logged for network {network}",
+        columns=(Column(heading="test", numeric=True), Column(heading="in words")),
+        rows=tuple((str(index), test.sentence) for index, test in enumerate(tests, 1)),
+    )
+
+
+def _row(network: int, test: LevelTest) -> tuple[str, ...]:
+    return (
+        str(network),
+        str(test.level + 1),
+        f"extension {test.iteration}" if test.iteration else "first",
+        integer(test.steps),
+        number(test.first_window, 4),
+        number(test.last_window, 4),
+        signed(test.newest_gain),
+        signed(test.first_gain),
+        "undefined" if test.ratio is None else f"{test.ratio:.3f}",
+        f"{test.threshold:g}",
+        test.decision,
+    )
+
+
+def _table(title: str, rows: list[tuple[str, ...]]) -> Table:
+    return Table(
+        label="",
+        title=title,
+        columns=(
+            Column(heading="network"),
+            Column(heading="level"),
+            Column(heading="iteration"),
+            Column(heading="steps", numeric=True),
+            Column(heading="rF", numeric=True),
+            Column(heading="rL", numeric=True),
+            Column(heading="newest gain", numeric=True),
+            Column(heading="first gain", numeric=True),
+            Column(heading="ratio", numeric=True),
+            Column(heading="threshold", numeric=True),
+            Column(heading="decision"),
+        ),
+        rows=tuple(rows),
+    )

@@ -1,0 +1,237 @@
+"""The results of a run as the page needs them, each read from an artefact with a checked hash."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import polars as pl
+
+from surmount.analysis import Analysis
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.curriculum import Curriculum
+from surmount.core.errors import InputError
+from surmount.core.records import read_record
+from surmount.core.store import Artefact
+from surmount.core.teacher import LevelTest
+from surmount.core.trial_table import read_trials
+from surmount.core.trials import Trials
+from surmount.report.comparison import Comparison, comparison_of
+from surmount.report.run_folder import TRAININGS, TRIALS, Record, RunFolder, open_run
+
+SCHEMA = 1
+PATHS = ("sprawl_deg", "fbem_deg")
+"""Features whose path lengths the paper compares (III-D)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrainingResult:
+    """How one network's training went.
+
+    Attributes
+    ----------
+    steps
+        Learning steps since this training began, at the end of each roll-out, ``(rollout,)``.
+    reward
+        Mean reward per learning step, before any normalisation, ``(rollout,)``.
+    success
+        Share of the episodes that succeeded; ``None`` where none ended in the roll-out.
+    label
+        What was being learnt after each roll-out.
+    total_steps, episodes, diverged_episodes
+        Learning steps in all, episodes that ended, and those ended because the physics diverged.
+    level_tests
+        Every test of eq. 5, in order.
+    """
+
+    steps: IntArray
+    reward: FloatArray
+    success: tuple[float | None, ...]
+    label: tuple[str, ...]
+    total_steps: int
+    episodes: int
+    diverged_episodes: int
+    level_tests: tuple[LevelTest, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outcomes:
+    """What the trials of all networks after one stage of learning came to.
+
+    Attributes
+    ----------
+    parameters
+        Names of the task parameters.
+    variant
+        Shape ``(trial, parameter)``.
+    network, repetition, success
+        Shape ``(trial,)`` each.
+    path_lengths
+        Σ|Δ| of each feature of :data:`PATHS` that was logged, ``(trial,)``.
+    """
+
+    parameters: tuple[str, ...]
+    variant: FloatArray
+    network: IntArray
+    repetition: IntArray
+    success: BoolArray
+    path_lengths: Mapping[str, FloatArray]
+
+    def groups(self, curriculum: Curriculum) -> IntArray:
+        """Return the group of each trial's variant, −1 where it has none, ``(trial,)``."""
+        variants, index = np.unique(self.variant, axis=0, return_inverse=True)
+        found = [curriculum.group_of(variant) for variant in variants]
+        return np.array([-1 if group is None else group for group in found])[index.reshape(-1)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunResults:
+    """Everything the page shows; what the run has not finished is absent.
+
+    Attributes
+    ----------
+    folder
+        The output folder.
+    analysis
+        From trials to curriculum.
+    comparison
+        Of both arms, as ``statistics.json`` has it.
+    trainings
+        By what was trained (``"initiation"``, ``"curriculum"``, ``"control"``) and network.
+    tests
+        By what had been trained.
+    """
+
+    folder: RunFolder
+    analysis: Analysis | None
+    comparison: Comparison | None
+    trainings: Mapping[str, Mapping[int, TrainingResult]]
+    tests: Mapping[str, Outcomes]
+
+
+def read_run(root: Path) -> RunResults:
+    """Read a run's artefacts.
+
+    Raises
+    ------
+    SurmountError
+        As :func:`~surmount.report.run_folder.open_run`; an ``IntegrityError`` for every artefact
+        whose content does not fit its hash.
+    """
+    folder = open_run(root)
+    analysis = comparison = None
+    if "analysis" in folder.stages:
+        artefact = folder.stages["analysis"]
+        analysis = Analysis.load(artefact.path("analysis.json"))
+        _require_same_curriculum(analysis, artefact)
+    if "statistics" in folder.stages:
+        path = folder.stages["statistics"].path("statistics.json")
+        record = _record(path)
+        with reading(path):
+            comparison = comparison_of(record)
+    return RunResults(
+        folder=folder,
+        analysis=analysis,
+        comparison=comparison,
+        trainings={
+            kind: {
+                network: _training(artefact) for network, artefact in folder.numbered(kind).items()
+            }
+            for kind in TRAININGS
+        },
+        tests={
+            kind: _tests(artefacts)
+            for kind, stage in TRIALS.items()
+            if (artefacts := folder.numbered(stage))
+        },
+    )
+
+
+@contextmanager
+def reading(path: Path) -> Generator[None]:
+    """Turn what goes wrong with a file of another version into one sentence."""
+    try:
+        yield
+    except (KeyError, TypeError, ValueError, AttributeError, pl.exceptions.PolarsError) as error:
+        raise InputError(
+            f"{path} does not have the form this version reads ({type(error).__name__}: {error}).",
+            remedy="Use the version of Surmount that wrote it, or run the experiment again.",
+        ) from error
+
+
+def _record(path: Path) -> Record:
+    record = read_record(path)
+    if record.get("schema") != SCHEMA:
+        raise InputError(
+            f"{path} has schema {record.get('schema')!r}; this version reads {SCHEMA}.",
+            remedy="Use the version of Surmount that wrote it.",
+        )
+    return record
+
+
+def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
+    """Refuse a folder in which the curriculum that was learnt is not the one that was found."""
+    path = artefact.path("curriculum.json")
+    if Curriculum.load(path).to_record() != analysis.curriculum.to_record():
+        raise InputError(
+            f"{path} is not the curriculum of the analysis beside it.",
+            remedy="Run the experiment again.",
+        )
+
+
+def _training(artefact: Artefact) -> TrainingResult:
+    path, table = artefact.path("training.json"), artefact.path("history.parquet")
+    record = _record(path)
+    with reading(table):
+        history = pl.read_parquet(table)
+        steps = history["steps"].to_numpy().astype(np.int64)
+        reward = history["reward"].to_numpy().astype(np.float64)
+        success = [None if value is None else float(value) for value in history["success"]]
+        label = [str(value) for value in history["label"]]
+    with reading(path):
+        return TrainingResult(
+            steps=steps,
+            reward=reward,
+            success=tuple(success),
+            label=tuple(label),
+            total_steps=int(record["steps"]),
+            episodes=int(record["episodes"]),
+            diverged_episodes=int(record["diverged_episodes"]),
+            level_tests=tuple(
+                LevelTest(**cast(dict[str, Any], test)) for test in record["level_tests"]
+            ),
+        )
+
+
+def _tests(artefacts: Mapping[int, Artefact]) -> Outcomes:
+    parts = [
+        _outcomes(read_trials(artefact.path("trials.parquet"))) for artefact in artefacts.values()
+    ]
+    paths = [name for name in PATHS if all(name in part.path_lengths for part in parts)]
+    return Outcomes(
+        parameters=parts[0].parameters,
+        variant=np.concatenate([part.variant for part in parts]),
+        network=np.concatenate([part.network for part in parts]),
+        repetition=np.concatenate([part.repetition for part in parts]),
+        success=np.concatenate([part.success for part in parts]),
+        path_lengths={
+            name: np.concatenate([part.path_lengths[name] for part in parts]) for name in paths
+        },
+    )
+
+
+def _outcomes(trials: Trials) -> Outcomes:
+    return Outcomes(
+        parameters=trials.parameters,
+        variant=trials.variant,
+        network=trials.network,
+        repetition=trials.repetition,
+        success=trials.success,
+        path_lengths={
+            name: trials.path_length(name) for name in PATHS if name in trials.feature_names
+        },
+    )

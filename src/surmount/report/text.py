@@ -1,0 +1,139 @@
+"""Numbers and names as people read them: one way of writing each kind, everywhere on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from surmount.core.arrays import FloatArray
+
+UNITS = {"s": "s", "mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
+"""Units that names end in, after an underscore, and how they are printed."""
+UNDEFINED = "—"
+MINUS = "\N{MINUS SIGN}"
+SIGNIFICANCE_LEVEL = 0.05
+"""Level of all tests (paper III-E)."""
+
+_NAMES = {"fbem": "FBEM"}
+
+
+def name_and_unit(name: str) -> tuple[str, str]:
+    """Split ``"sprawl_deg"`` into ``("sprawl", "°")``; the unit is empty where there is none."""
+    stem, _, unit = name.rpartition("_")
+    if stem and unit in UNITS:
+        return _NAMES.get(stem, stem.replace("_", " ")), UNITS[unit]
+    return _NAMES.get(name, name.replace("_", " ")), ""
+
+
+def axis_label(name: str) -> str:
+    """Return ``"sprawl (°)"`` for ``"sprawl_deg"``."""
+    words, unit = name_and_unit(name)
+    return f"{words} ({unit})" if unit else words
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """Return a number with so many significant digits, without exponent where that is readable."""
+    if value is None:
+        return UNDEFINED
+    if value == 0:
+        return "0"
+    if 1e-4 <= abs(value) < 1e6:
+        text = f"{value:,.{digits}g}" if abs(value) < 10**digits else f"{value:,.0f}"
+    else:
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        text = f"{mantissa}·10^{int(exponent)}"
+    return text.replace("-", MINUS)
+
+
+def signed(value: float | None, digits: int = 3) -> str:
+    """Return a number with its sign, also where it is positive."""
+    text = number(value, digits)
+    return f"+{text}" if value is not None and value > 0 else text
+
+
+def integer(value: int) -> str:
+    """Return an integer with its thousands separated."""
+    return f"{value:,}".replace("-", MINUS)
+
+
+def percent(share: float | None, digits: int = 0) -> str:
+    """Return a share as a percentage; only exact 0 and 1 become 0 % and 100 %."""
+    if share is None:
+        return UNDEFINED
+    least = 10.0**-digits / 2
+    if 0 < share < least / 100:
+        return f"< {2 * least:g} %"
+    if 1 - least / 100 < share < 1:
+        return f"> {100 - 2 * least:g} %"
+    return f"{100 * share:.{digits}f} %".replace("-", MINUS)
+
+
+def percent_interval(lower: float | None, upper: float | None, digits: int = 0) -> str:
+    """Return an interval of shares, ``"12–30 %"``."""
+    if lower is None or upper is None:
+        return UNDEFINED
+    low = f"{100 * lower:.{digits}f}".replace("-", MINUS)
+    high = f"{100 * upper:.{digits}f}".replace("-", MINUS)
+    return f"{low} to {high} %"
+
+
+def interval(lower: float | None, upper: float | None, digits: int = 3) -> str:
+    """Return an interval of numbers, ``"0.12 to 0.3"``."""
+    if lower is None or upper is None:
+        return UNDEFINED
+    return f"{number(lower, digits)} to {number(upper, digits)}"
+
+
+def p_value(p: float | None) -> str:
+    """Return ``"p = 0.012"``, or ``"p < 0.001"``."""
+    if p is None:
+        return "p undefined"
+    return "p < 0.001" if p < 0.001 else f"p = {p:.2g}"
+
+
+def significant(p: float | None) -> bool:
+    """Return whether a test shows a difference at the level of the paper."""
+    return p is not None and p < SIGNIFICANCE_LEVEL
+
+
+def duration(seconds: float) -> str:
+    """Return a time span, ``"2 h 05 min"``, ``"3 min 20 s"`` or ``"4.2 s"``."""
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
+
+
+def variant_label(variant: FloatArray | Sequence[float]) -> str:
+    """Return a variant as people write it: ``180`` or ``(180, 0.7)``."""
+    parts = [f"{float(value):g}" for value in variant]
+    return parts[0] if len(parts) == 1 else f"({', '.join(parts)})"
+
+
+def variant_range(parameters: Sequence[str], variants: FloatArray) -> str:
+    """Return the range of a group's variants, ``"55–95 mm"``, or how many there are."""
+    if variants.shape[1] != 1:
+        return "; ".join(
+            f"{name_and_unit(name)[0]} {_range(variants[:, column], name)}"
+            for column, name in enumerate(parameters)
+        )
+    return _range(variants[:, 0], parameters[0])
+
+
+def _range(values: FloatArray, parameter: str) -> str:
+    unit = name_and_unit(parameter)[1]
+    low, high = float(values.min()), float(values.max())
+    span = f"{low:g}" if low == high else f"{low:g}–{high:g}"
+    return f"{span} {unit}" if unit else span
+
+
+def listed(words: Sequence[str]) -> str:
+    """Return words as a list in a sentence: ``"a, b and c"``."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def counted(count: int, singular: str, plural: str | None = None) -> str:
+    """Return ``"1 level"`` or ``"3 levels"``."""
+    return f"{integer(count)} {singular if count == 1 else plural or singular + 's'}"

@@ -1,0 +1,58 @@
+"""What the tests allow to be said, in one wording everywhere, and never more than that."""
+
+from __future__ import annotations
+
+from surmount.report.comparison import GroupComparison
+from surmount.report.run_folder import ARMS
+from surmount.report.text import p_value, significant
+from surmount.stats import LogRank, MethodContrast, ProportionTest
+
+NOT_TESTABLE = "not testable"
+NO_DIFFERENCE = "no difference shown"
+
+
+def success_verdict(test: ProportionTest) -> str:
+    """Say whether success differs between curriculum (first) and control (second)."""
+    if test.p_value is None:
+        return NOT_TESTABLE
+    if not significant(test.p_value):
+        return NO_DIFFERENCE
+    return f"{'more' if test.difference > 0 else 'fewer'} successes with the curriculum"
+
+
+def time_verdict(test: LogRank) -> str:
+    """Say whether trials finish sooner with the curriculum than in the control."""
+    if test.p_value is None:
+        return NOT_TESTABLE
+    if not significant(test.p_value):
+        return NO_DIFFERENCE
+    mine = test.groups.index(ARMS[0])
+    sooner = test.observed[mine] > test.expected[mine]
+    return f"{'sooner' if sooner else 'later'} with the curriculum"
+
+
+def path_verdict(contrast: MethodContrast) -> str:
+    """Say whether path lengths differ between curriculum and control."""
+    if contrast.p_value is None or contrast.estimate is None:
+        return NOT_TESTABLE
+    if not significant(contrast.p_value):
+        return NO_DIFFERENCE
+    return f"{'shorter' if contrast.estimate < 0 else 'longer'} with the curriculum"
+
+
+def because(verdict: str, p: float | None, reason: str | None) -> str:
+    """Return a verdict with its p-value, or with the reason why there is none."""
+    if p is not None:
+        return f"{verdict} ({p_value(p)})"
+    words = (reason or "").rstrip(". ")
+    return f"{verdict} ({words[:1].lower()}{words[1:]})" if words else verdict
+
+
+def group_sentence(entry: GroupComparison) -> str:
+    """Say in one sentence what both tests show in one group."""
+    success, time = entry.proportion_test, entry.log_rank
+    return (
+        f"Group “{entry.group}”, curriculum against control. Success: "
+        f"{because(success_verdict(success), success.p_value, success.reason)}. Completion time: "
+        f"{because(time_verdict(time), time.p_value, time.reason)}."
+    )

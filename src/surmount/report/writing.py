@@ -1,0 +1,49 @@
+"""Writing the page, the figures and their data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from surmount.analysis import Analysis
+from surmount.core.records import write_atomically
+from surmount.core.store import output_errors
+from surmount.report.contents import document_of
+from surmount.report.document import Figure
+from surmount.report.fit_figure import mixture_fit
+from surmount.report.grouping_figure import distances_and_groups
+from surmount.report.page import page
+from surmount.report.results import read_run
+from surmount.report.stills import StillFiles, csv_text, draw
+
+PAGE = "report.html"
+FIGURES = "figures"
+
+
+def write_run_report(root: Path) -> Path:
+    """Write the page and the figures of a run; see :func:`surmount.report.write_report`."""
+    document = document_of(read_run(root))
+    with output_errors(root):
+        stills = _write_figures(document.figures(), root / FIGURES)
+        write_atomically(root / PAGE, page(document, stills).encode())
+    return root / PAGE
+
+
+def write_figures_of_analysis(record: Mapping[str, Any], out: Path) -> tuple[Path, ...]:
+    """Write figures 5 and 6; see :func:`surmount.report.write_analysis_figures`."""
+    analysis = Analysis.from_record(record)
+    figures = (mixture_fit(analysis), distances_and_groups(analysis))
+    with output_errors(out):
+        _write_figures(figures, out)
+    return tuple(out / f"{figure.name}.svg" for figure in figures)
+
+
+def _write_figures(figures: Sequence[Figure], folder: Path) -> dict[str, StillFiles]:
+    stills = {figure.name: draw(figure.still) for figure in figures}
+    for figure in figures:
+        still = stills[figure.name]
+        write_atomically(folder / f"{figure.name}.svg", still.svg)
+        write_atomically(folder / f"{figure.name}.png", still.png)
+        write_atomically(folder / f"{figure.name}.csv", csv_text(figure.data).encode())
+    return stills
