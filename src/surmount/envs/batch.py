@@ -248,7 +248,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         self._steps[envs] = 0
         for flags in (self._terminated, self._truncated, self._success, self._diverged):
             flags[envs] = False
-        self._measures = self.simulation.measure(self._diverged)
+        self._measures = self.simulation.measure()
 
     def step(
         self, actions: npt.ArrayLike
@@ -260,7 +260,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         running = ~done
         diverged = self.simulation.advance(self._checked(actions), running)
         self._diverged |= diverged
-        now = self._measures = self.simulation.measure(self._diverged)
+        now = self._measures = self.simulation.measure()
         self._steps += running
         self._judge(now, running)
         reward = np.where(running, self._reward(before, now, running), 0.0)
@@ -378,7 +378,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         for generator, saved in zip(self._generators, state["generators"], strict=True):
             generator.bit_generator.state = saved
         self._distribution = TaskDistribution.from_record(state["task_distribution"])
-        self._measures = self.simulation.measure(self._diverged)
+        self._measures = self.simulation.measure()
 
     # Pictures ---------------------------------------------------------------------------------
 

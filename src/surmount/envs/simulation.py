@@ -69,7 +69,6 @@ class Simulation:
         self._sprawls = [self._position(f"{side}_sprawl") for side in SIDES]
         self._fbems = [self._position(f"{side}_fbem") for side in SIDES]
         self._action_of_servo, self._rate_of_servo = self._servo_map()
-        self._finite_qpos = self._qpos.copy()
 
     def _position(self, joint: str) -> int:
         return int(self.model.joint(joint).qposadr[0])
@@ -100,8 +99,10 @@ class Simulation:
         -------
         BoolArray
             Simulations that diverged, shape ``(env,)``: MuJoCo gave up on them, or their state is
-            not finite, or faster than :data:`DIVERGED_VELOCITY`.
+            not finite, or faster than :data:`DIVERGED_VELOCITY`. They are put back to where they
+            were before.
         """
+        before = self.batch.state.copy()
         np.multiply(actions[:, self._action_of_servo], self._rate_of_servo, out=self._ctrl)
         failed = np.zeros(running.size, dtype=np.bool_)
         try:
@@ -111,15 +112,14 @@ class Simulation:
         # NaN fails both comparisons.
         calm = np.abs(self._qvel).max(axis=1) < DIVERGED_VELOCITY
         calm &= np.abs(self._qpos).max(axis=1) < math.inf
-        return (failed | ~calm) & running
+        diverged = (failed | ~calm) & running
+        if diverged.any():
+            self.batch.state[diverged] = before[diverged]
+        return diverged
 
-    def measure(self, diverged: BoolArray | None = None) -> Measures:
-        """Return what the robots measure; a diverged one keeps its last finite position."""
+    def measure(self) -> Measures:
+        """Return what the robots measure."""
         qpos, qvel = self._qpos, self._qvel
-        if diverged is not None and diverged.any():
-            qpos = np.where(diverged[:, None], self._finite_qpos, qpos)
-            qvel = np.where(diverged[:, None], 0.0, qvel)
-        self._finite_qpos[:] = qpos
         w, x, y, z = (qpos[:, column].copy() for column in (3, 4, 5, 6))
         # Entries of the rotation matrix: lateral axis (horizontal part), then the heights of the
         # forward and upward axes. Contiguous operands keep the arithmetic independent of num_envs.
