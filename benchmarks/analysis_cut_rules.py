@@ -30,6 +30,7 @@ KINDS = {
     "outlier": "one variant with a behaviour of its own",
     "split": "one behaviour in two separate runs",
     "saturated": "joint angles stop at limits",
+    "uneven": "the last behaviour is 3 times noisier than the first",
     "few trials": "6 trials per variant instead of 20",
     "one group": "8-30 variants, drift of 0-3 noise widths",
     "gradient": "10-30 variants, drift of 6-15 noise widths in even steps",
@@ -75,6 +76,8 @@ def family(kind, rng):
         options["outliers"] = (int(sizes[:run].sum()) + 1,)
     if kind == "saturated":
         options["saturated"] = True
+    if kind == "uneven":
+        options["unevenness"] = 3.0
     if kind == "few trials":
         options["trials"] = 6
     return SyntheticFamily(sizes=tuple(map(int, sizes)), behaviours=tuple(behaviours), **options)

@@ -50,7 +50,8 @@ class AnalysisConfig:
         with the lowest success, as the paper's hardest.
     plateau
         The smallest K is taken whose BIC lies within this share of the curve's whole fall above
-        its minimum; 0 takes the minimum itself. Assumed.
+        its minimum; 0 takes the minimum itself, as the paper does. On long recordings the curve
+        may fall to the end of the range; 0.01 then takes a smaller K that fits nearly as well.
     restarts
         Starts by k-means++ of which the best goes on. Assumed.
     regularisation
@@ -114,7 +115,7 @@ class AnalysisConfig:
     components: int = 0
     components_per_variant: bool = False
     bic_variant: tuple[float, ...] = ()
-    plateau: float = 0.01
+    plateau: float = 0.0
     restarts: int = 3
     regularisation: float = 1e-4
     tolerance: float = 1e-3
@@ -130,7 +131,7 @@ class AnalysisConfig:
     dominant_weight: float = 0.7
     harder_share: float = 0.0
     bounds: BoundsRule = "halfway"
-    bootstrap: int = 50
+    bootstrap: int = 30
     bootstrap_samples: int = 1_000
     stability_threshold: float = 0.8
     sensitivity: bool = True

@@ -105,7 +105,7 @@ def assess_sensitivity(
         kept = [index for index in range(len(names)) if index != left_out]
         partial = hellinger_matrix([marginal(mixture, kept) for mixture in mixtures])
         rows.append(row("features", f"without {name}", group_variants(partial, config)))
-    for count in _other_counts(mixtures):
+    for count in _other_counts(mixtures, config):
         refitted = hellinger_matrix(list(_refits(data, count, config, seed)))
         rows.append(row("components", str(count), group_variants(refitted, config)))
     return tuple(rows)
@@ -140,9 +140,10 @@ def _changed_rules(config: AnalysisConfig) -> Iterator[tuple[str, str, AnalysisC
             yield "small groups", str(size), dataclasses.replace(config, small_group_size=size)
 
 
-def _other_counts(mixtures: Sequence[Mixture]) -> list[int]:
+def _other_counts(mixtures: Sequence[Mixture], config: AnalysisConfig) -> list[int]:
     own = max(mixture.n_components for mixture in mixtures)
-    return [count for count in (max(2, own // 2), own + own // 2) if count != own]
+    more = min(own + own // 2, max(own, config.max_components))
+    return [count for count in (max(2, own // 2), more) if count != own]
 
 
 def _refits(

@@ -37,6 +37,8 @@ class SyntheticFamily:
         How far behaviour drifts from the first to the last variant of a run, in the same units.
     saturated
         Whether joint angles stop at limits, as joints do, so that features stand still for long.
+    unevenness
+        How many times noisier the last behaviour is than the first.
     trials, steps
         Trials per variant, and control steps of the longest trial.
     seed
@@ -49,6 +51,7 @@ class SyntheticFamily:
     separation: float = 4.0
     grading: float = 1.0
     saturated: bool = False
+    unevenness: float = 1.0
     trials: int = 20
     steps: int = 100
     seed: int = 0
@@ -70,6 +73,7 @@ class SyntheticFamily:
         drift *= self.grading / np.sqrt(np.square(drift).mean(axis=(1, 2), keepdims=True))
         own = self.separation * rng.standard_normal((n_variants, 3, _SHAPES))
         success_rate = np.linspace(1.0, 0.1, max(self.behaviours) + 1)
+        noise = np.linspace(1.0, self.unevenness, max(self.behaviours) + 1)
         parts: list[FloatArray] = []
         lengths: list[int] = []
         success: list[bool] = []
@@ -80,7 +84,7 @@ class SyntheticFamily:
                 if variant in self.outliers:
                     course = own[variant]
                 for _ in range(self.trials):
-                    parts.append(self._trial(course, rng))
+                    parts.append(self._trial(course, noise[behaviour], rng))
                     lengths.append(parts[-1].shape[0])
                     success.append(bool(rng.random() < success_rate[behaviour]))
                 variant += 1
@@ -98,13 +102,13 @@ class SyntheticFamily:
             features=np.concatenate(parts),
         )
 
-    def _trial(self, course: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def _trial(self, course: FloatArray, loudness: float, rng: np.random.Generator) -> FloatArray:
         n_steps = max(5, int(self.steps * rng.uniform(0.7, 1.0)))
         time = np.arange(n_steps) / self.steps
         shapes = np.stack([time, np.sin(np.pi * time), np.sin(2.0 * np.pi * time)])
         # One offset per trial, and noise along it with a memory of about ten steps.
         noise = rng.standard_normal((3, 1)) * 0.7 + 0.7 * _smooth_noise(rng, n_steps)
-        values = course @ shapes + noise
+        values = course @ shapes + loudness * noise
         if self.saturated:
             values[:2] = np.clip(values[:2], -1.0, 1.0)
         sprawl, fbem, distance = values

@@ -1,4 +1,4 @@
-"""Columns in Parquet and CSV files, read in pieces so that memory holds the table once."""
+"""Columns in Parquet and CSV files, read in pieces to bound memory."""
 
 from __future__ import annotations
 
