@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.errors import InputError
+from surmount.core.configuration import from_record as config_from_record
+from surmount.core.errors import ConfigError, InputError
 
 _BLOCK_VALUES = 1 << 18
 """Values of the largest temporary array of a density call: 2 MiB, which stays in the cache."""
+
+_MALFORMED = (KeyError, TypeError, ValueError, AttributeError, OverflowError, ConfigError)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,9 +164,16 @@ class Mixture:
                 weights=np.asarray(record["weights"], dtype=np.float64),
                 means=np.asarray(record["means"], dtype=np.float64),
                 covariances=np.asarray(record["covariances"], dtype=np.float64),
-                fit=None if fit is None else FitReport(**cast(dict[str, Any], fit)),
+                fit=None if fit is None else config_from_record(FitReport, fit),
             )
-        except (KeyError, TypeError, ValueError) as error:
+        except (
+            KeyError,
+            TypeError,
+            ValueError,
+            AttributeError,
+            OverflowError,
+            ConfigError,
+        ) as error:
             raise InputError(
                 f"A mixture record is incomplete or malformed ({error}).",
                 remedy="Use a file that Surmount wrote.",
