@@ -7,12 +7,13 @@ import itertools
 import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
+from matplotlib.ticker import MaxNLocator
 
 from surmount.analysis import Analysis
 from surmount.analysis.component_count import BICCurve
 from surmount.core.arrays import FloatArray
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
-from surmount.report.palette import INK, MUTED, PAPER
+from surmount.report.palette import INK, PAPER
 from surmount.report.plots import annotate, compact, plain, plot
 from surmount.report.stills import axes_grid
 from surmount.report.text import axis_label, name_and_unit, variant_label
@@ -139,10 +140,23 @@ def _bic_panel(curve: BICCurve) -> Panel:
             hoverinfo="skip",
         )
     )
+    figure.add_vline(x=curve.chosen, line={"color": SAMPLED, "width": 1, "dash": "dot"})
     annotate(
-        figure, f"taken: K = {curve.chosen}", x=curve.chosen, y=height, yshift=18, xanchor="center"
+        figure,
+        f"K = {curve.chosen} taken",
+        x=curve.chosen,
+        y=1.0,
+        yref="paper",
+        yanchor="top",
+        xanchor="right" if _right_of_middle(curve) else "left",
+        xshift=-4 if _right_of_middle(curve) else 4,
     )
     return Panel(plot=figure, height_px=250)
+
+
+def _right_of_middle(curve: BICCurve) -> bool:
+    """Return whether the chosen K stands right of the middle, so that its label fits left of it."""
+    return 2 * curve.chosen > curve.components[0] + curve.components[-1]
 
 
 def _still(analysis: Analysis, pairs: list[tuple[int, int]]) -> StillFigure:
@@ -188,17 +202,21 @@ def _draw_bic(ax: Axes, curve: BICCurve) -> None:
         ax.plot(count, value, "o", ms=3.5, mec=INK, mfc=INK if done else PAPER)
     height = values[curve.components.index(curve.chosen)]
     ax.plot(curve.chosen, height, "o", ms=8, mfc="none", mec=SAMPLED, mew=1.5)
+    ax.axvline(curve.chosen, color=SAMPLED, lw=0.8, ls=":")
+    left = _right_of_middle(curve)
     ax.annotate(
-        f"taken: K = {curve.chosen}",
-        (curve.chosen, height),
-        xytext=(0, 9),
+        f"K = {curve.chosen} taken",
+        (curve.chosen, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(-3 if left else 3, -2),
         textcoords="offset points",
-        ha="center",
-        color=MUTED,
+        ha="right" if left else "left",
+        va="top",
+        fontsize=7,
     )
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("components K")
     ax.set_ylabel("BIC, thousands")
-    ax.margins(y=0.15)
 
 
 def _data(analysis: Analysis) -> Columns:

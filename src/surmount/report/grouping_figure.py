@@ -17,7 +17,7 @@ from surmount.report.document import Columns, Figure, LegendEntry, Panel
 from surmount.report.palette import INK, MUTED, PAPER, SEQUENTIAL, group_colour
 from surmount.report.plots import compact, hover, plain, plot
 from surmount.report.stills import axes_grid
-from surmount.report.text import axis_label, number, percent, variant_label
+from surmount.report.text import axis_label, number, percent, short, variant_label
 
 ABOVE = "#555555"
 """Links above all groups."""
@@ -269,8 +269,9 @@ def _draw_tree(ax: Axes, analysis: Analysis, drawn: DendrogramLayout) -> None:
         ax.axvline(drawn.cut_height, color=INK, lw=0.9, ls="--")
     for index, group in enumerate(analysis.groups):
         colour = group_colour(index)
-        ax.plot([], [], color=colour, label=f"{group.name} ({percent(group.success_rate)})")
-    ax.legend(loc="best", title="group (success)")
+        ax.plot([], [], color=colour, label=f"{short(group.name)} ({percent(group.success_rate)})")
+    # Above the axes, where no link runs beneath it.
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
     labels = [variant_label(analysis.variants[leaf]) for leaf in drawn.leaves]
     ax.set_yticks(range(len(labels)), labels, fontsize=6.5)
     ax.set_ylim(len(labels) - 0.4, -0.6)

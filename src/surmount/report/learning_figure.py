@@ -52,7 +52,7 @@ class Curve:
     steps, values
         Learning steps at the end of each roll-out, and the measure there, ``(rollout,)``.
     smooth
-        Running mean over ``window`` roll-outs, ``(rollout,)``.
+        Running mean over ``window`` roll-outs of the same level, ``(rollout,)``.
     window
         Odd number of roll-outs.
     """
@@ -120,11 +120,23 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
     )
 
 
-def running_mean(values: FloatArray, window: int) -> FloatArray:
-    """Return the mean over ``window`` neighbours, an odd number; fewer at the ends."""
+def running_mean(values: FloatArray, window: int, part: IntArray) -> FloatArray:
+    """Return the mean over neighbours of the same part.
+
+    Parameters
+    ----------
+    values
+        Shape ``(rollout,)``.
+    window
+        Odd number of neighbours, the value itself included; fewer at the ends of a part.
+    part
+        Part that each value belongs to, ascending: a level, so that the mean does not mix two.
+    """
     total = np.concatenate([[0.0], np.cumsum(values)])
     index, half = np.arange(values.size), window // 2
-    low, high = np.maximum(index - half, 0), np.minimum(index + half + 1, values.size)
+    first = np.searchsorted(part, part, side="left")
+    last = np.searchsorted(part, part, side="right")
+    low, high = np.maximum(index - half, first), np.minimum(index + half + 1, last)
     return (total[high] - total[low]) / (high - low)
 
 
@@ -145,13 +157,19 @@ def _curves(trainings: Trainings, network: int, measure: Measure) -> list[Curve]
                     begin=begin,
                     steps=begin + training.steps[rows],
                     values=known,
-                    smooth=running_mean(known, window),
+                    smooth=running_mean(known, window, _part(training, rows)),
                     window=window,
                 )
             )
         if kind == "initiation":
             begin = training.total_steps
     return found
+
+
+def _part(training: TrainingResult, rows: list[int]) -> IntArray:
+    """Return how many levels had been left before each of these roll-outs began."""
+    ends = [test.steps for test in training.level_tests if test.decision != "extend"]
+    return np.searchsorted(ends, training.steps[rows], side="left").astype(np.int64)
 
 
 def _tests(trainings: Trainings, network: int) -> list[tuple[int, LevelTest]]:
@@ -189,7 +207,10 @@ def _begin(curves: list[Curve]) -> int:
 def _caption(drawn: Mapping[int, list[Curve]], measure: Measure) -> tuple[str, ...]:
     windows = sorted({curve.window for curves in drawn.values() for curve in curves})
     span = f"{windows[0]}" if len(windows) == 1 else f"{windows[0]} to {windows[-1]}"
-    lines = f"Thin lines: each roll-out; thick lines: running mean over {span} roll-outs."
+    lines = (
+        f"Thin lines: each roll-out; thick lines: running mean over {span} roll-outs within a "
+        "level."
+    )
     if windows[-1] == 1:
         lines = "One point per roll-out."
     shown = (

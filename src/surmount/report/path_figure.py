@@ -18,7 +18,7 @@ from surmount.report.plots import annotate, compact, hover, plain, plot
 from surmount.report.results import PATHS, Outcomes
 from surmount.report.run_folder import ARMS
 from surmount.report.stills import axes_grid
-from surmount.report.text import integer, name_and_unit, number
+from surmount.report.text import integer, name_and_unit, number, short
 
 BOX_WIDTH = 0.3
 WHISKER = 1.5
@@ -195,7 +195,7 @@ def _panel(path: str, boxes: Mapping[str, list[Box | None]], names: list[str]) -
                 )
     figure.update_xaxes(
         tickvals=list(range(len(names))),
-        ticktext=[plain(name) for name in names],
+        ticktext=[plain(short(name)) for name in names],
         showgrid=False,
         range=[-0.5, len(names) - 0.5],
     )
@@ -208,7 +208,7 @@ def _still(boxes: Boxes, names: list[str]) -> StillFigure:
     for (path, arms), ax in zip(boxes.items(), axes, strict=True):
         for arm, found in arms.items():
             _draw(ax, arm, found)
-        ax.set_xticks(range(len(names)), names)
+        ax.set_xticks(range(len(names)), [short(name) for name in names])
         ax.set_xlim(-0.5, len(names) - 0.5)
         ax.set_ylim(bottom=0)
         ax.set_ylabel(_label(path))
@@ -226,7 +226,16 @@ def _draw(ax: Axes, arm: str, found: list[Box | None]) -> None:
     for index, box in enumerate(found):
         at = index + _offset(arm)
         if box is None:
-            ax.text(at, 0, "no success", rotation=90, ha="center", va="bottom", fontsize=6.5)
+            ax.annotate(
+                "no success",
+                (at, 0.0),
+                xytext=(0, 3),
+                textcoords="offset points",
+                rotation=90,
+                ha="center",
+                va="bottom",
+                fontsize=6.5,
+            )
             continue
         line = {"color": style.colour, "linewidth": 1.2}
         ax.bxp(

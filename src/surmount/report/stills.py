@@ -42,6 +42,8 @@ STYLE = {
     "svg.hashsalt": "surmount",  # and has the same bytes whenever it is written
 }
 PNG_DPI = 200
+CLOUD_DPI = 130
+"""Of clouds of points, the only part of an SVG that is not drawn by lines."""
 WIDTH_IN = 7.2
 """Width of a still: the text width of a printed page."""
 
@@ -81,7 +83,8 @@ def draw(still: Callable[[], StillFigure]) -> StillFiles:
         figure = still()
         svg, png = io.BytesIO(), io.BytesIO()
         metadata = {"Date": None, "Creator": "Surmount"}
-        figure.savefig(svg, format="svg", metadata=metadata, dpi=PNG_DPI)
+        figure.savefig(svg, format="svg", metadata=metadata, dpi=CLOUD_DPI)
+        figure.set_layout_engine("none")  # as it was laid out for the SVG
         figure.savefig(png, format="png", metadata={"Software": "Surmount"}, dpi=PNG_DPI)
     return StillFiles(svg=svg.getvalue(), png=png.getvalue())
 

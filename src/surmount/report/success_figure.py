@@ -16,7 +16,7 @@ from surmount.report.plots import annotate, hover, plain, plot
 from surmount.report.results import Outcomes
 from surmount.report.run_folder import ARMS, TRAININGS
 from surmount.report.stills import axes_grid
-from surmount.report.text import integer, number, p_value, percent, percent_interval
+from surmount.report.text import integer, number, p_value, percent, percent_interval, short
 from surmount.stats import proportion_intervals
 
 BAR_WIDTH = 0.26
@@ -178,7 +178,7 @@ def _panel(comparison: Comparison, bars: Bars, dots: Dots) -> go.Figure:
         annotate(figure, annotation(entry).replace(", ", "\n"), x=index, y=1.04, yanchor="bottom")
     figure.update_xaxes(
         tickvals=list(range(len(comparison.groups))),
-        ticktext=[plain(entry.group) for entry in comparison.groups],
+        ticktext=[plain(short(entry.group)) for entry in comparison.groups],
         showgrid=False,
         range=[-0.5, len(comparison.groups) - 0.5],
     )
@@ -236,7 +236,8 @@ def _still(comparison: Comparison, bars: Bars, dots: Dots) -> StillFigure:
                 ax.plot(x, rate, "o", ms=3.5, mfc=PAPER, mec=INK, mew=0.7, clip_on=False, zorder=4)
     for index, entry in enumerate(comparison.groups):
         ax.text(index, 1.05, annotation(entry), ha="center", va="bottom", fontsize=7)
-    ax.set_xticks(range(len(comparison.groups)), [entry.group for entry in comparison.groups])
+    names = [short(entry.group) for entry in comparison.groups]
+    ax.set_xticks(range(len(names)), names)
     ax.set_yticks([0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
     ax.set_ylim(0, 1.17)
     ax.set_ylabel("share of trials that succeed")

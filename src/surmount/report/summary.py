@@ -7,6 +7,7 @@ from surmount.report.document import Notice
 from surmount.report.results import RunResults
 from surmount.report.run_folder import RunFolder
 from surmount.report.text import (
+    SPACE,
     counted,
     duration,
     integer,
@@ -76,10 +77,10 @@ def summary(results: RunResults) -> list[str]:
     over = f"Over {counted(difference.n_networks[0], 'network')} per arm, the interquartile mean "
     over += f"of success differs by {_points(difference.estimate)} (curriculum minus control"
     if difference.lower is None or difference.upper is None:
-        sentences.append(f"{over}); {difference.reason}")
+        sentences.append(f"{over}). {difference.reason}")
         return sentences
     excluded = difference.lower > 0 or difference.upper < 0
-    limits = percent_interval(difference.lower, difference.upper, 1).replace(" %", " points")
+    limits = percent_interval(difference.lower, difference.upper, 1).replace(f"{SPACE}%", " points")
     sentences.append(
         f"{over}, 95 % interval {limits}): "
         + ("the interval excludes zero." if excluded else "the interval includes zero.")

@@ -14,7 +14,7 @@ from surmount.report.palette import ARM_STYLES, translucent
 from surmount.report.plots import annotate, compact, hover, plot
 from surmount.report.run_folder import ARMS
 from surmount.report.stills import axes_grid
-from surmount.report.text import number, p_value
+from surmount.report.text import number, p_value, short
 from surmount.stats import KaplanMeier
 
 Steps = tuple[FloatArray, FloatArray]
@@ -155,7 +155,7 @@ def _draw(ax: Axes, entry: GroupComparison, cap_s: float) -> None:
         ax.fill_between(time, lower, upper, step="post", color=style.colour, alpha=0.15, lw=0)
         corner, survival = _curve(curve, cap_s)
         ax.step(corner, survival, where="post", color=style.colour, ls=style.line, label=style.name)
-    ax.set_title(f"{entry.group}\n{log_rank_text(entry)}", fontsize=7.5)
+    ax.set_title(f"{short(entry.group)}\n{log_rank_text(entry)}", fontsize=7.5)
     ax.set_xlim(0, cap_s)
     ax.set_ylim(0, 1.05)
     ax.set_yticks([0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])

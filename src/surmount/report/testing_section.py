@@ -14,6 +14,7 @@ from surmount.report.run_folder import ARMS
 from surmount.report.success_figure import success_by_group
 from surmount.report.survival_figure import survival_curves
 from surmount.report.text import (
+    SPACE,
     UNDEFINED,
     interval,
     listed,
@@ -78,12 +79,6 @@ def evidence_section(comparison: Comparison | None) -> Section | None:
     ]
     rows.append(_evidence_row("difference, curriculum − control", comparison.difference))
     rows.append(_evidence_row("probability of improvement", comparison.probability_of_improvement))
-    entries = [
-        *comparison.interquartile_mean.values(),
-        comparison.difference,
-        comparison.probability_of_improvement,
-    ]
-    reasons = dict.fromkeys(entry.reason for entry in entries if entry.reason)
     table = Table(
         label="",
         title="Success over networks",
@@ -100,7 +95,7 @@ def evidence_section(comparison: Comparison | None) -> Section | None:
                 "improvement: that a network with the curriculum beats one without on a variant, "
                 "ties counted half; 50 % means no difference."
             ),
-            *reasons,
+            *([comparison.difference.reason] if comparison.difference.reason else []),
         ),
     )
     text = (
@@ -148,7 +143,7 @@ def success_table(comparison: Comparison) -> Table:
         columns=(
             Column(heading="group"),
             *(Column(heading=ARM_STYLES[arm].name, numeric=True) for arm in ARMS),
-            Column(heading="difference", numeric=True),
+            Column(heading="difference (points)", numeric=True),
             Column(heading="95 % interval", numeric=True),
             Column(heading="χ²", numeric=True),
             Column(heading="p", numeric=True),
@@ -164,8 +159,8 @@ def _success_row(entry: GroupComparison) -> tuple[str, ...]:
     return (
         entry.group,
         *(f"{entry.arms[arm].successes} / {entry.arms[arm].trials}" for arm in ARMS),
-        f"{signed(100 * test.difference)} points",
-        percent_interval(test.difference_lower, test.difference_upper, 1),
+        signed(100 * test.difference),
+        percent_interval(test.difference_lower, test.difference_upper, 1).removesuffix(f"{SPACE}%"),
         number(test.statistic, 4),
         _p(test.p_value),
         success_verdict(test),
@@ -173,7 +168,11 @@ def _success_row(entry: GroupComparison) -> tuple[str, ...]:
 
 
 def _p(p: float | None) -> str:
-    return UNDEFINED if p is None else p_value(p).removeprefix("p = ").removeprefix("p ")
+    return (
+        UNDEFINED
+        if p is None
+        else p_value(p).replace(SPACE, " ").removeprefix("p = ").removeprefix("p ")
+    )
 
 
 def survival_table(comparison: Comparison) -> Table:

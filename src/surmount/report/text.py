@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from surmount.core.arrays import FloatArray
 
 UNITS = {"s": "s", "mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
 """Units that names end in, after an underscore, and how they are printed."""
 UNDEFINED = "—"
 MINUS = "\N{MINUS SIGN}"
+SPACE = "\N{NO-BREAK SPACE}"
+"""Between a number and what belongs to it."""
 SIGNIFICANCE_LEVEL = 0.05
 """Level of all tests (paper III-E)."""
 
+LONGEST_NAME = 24
+"""Characters of a name inside a plot; the page around it has the whole name."""
+
+SMALLEST_P = 0.001
+"""Below it a p-value is printed as such."""
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NAMES = {"fbem": "FBEM"}
 
 
@@ -37,10 +48,14 @@ def number(value: float | None, digits: int = 3) -> str:
     if value == 0:
         return "0"
     if 1e-4 <= abs(value) < 1e6:
-        text = f"{value:,.{digits}g}" if abs(value) < 10**digits else f"{value:,.0f}"
+        text = np.format_float_positional(value, precision=digits, fractional=False, trim="-")
+        if abs(value) >= 10**digits:
+            text = f"{value:.0f}"
+        whole, point, rest = text.partition(".")
+        text = f"{int(whole):,}{point}{rest}" if abs(value) >= 1 else text
     else:
         mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-        text = f"{mantissa}·10^{int(exponent)}"
+        text = f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}"
     return text.replace("-", MINUS)
 
 
@@ -61,10 +76,10 @@ def percent(share: float | None, digits: int = 0) -> str:
         return UNDEFINED
     least = 10.0**-digits / 2
     if 0 < share < least / 100:
-        return f"< {2 * least:g} %"
+        return f"<{SPACE}{2 * least:g}{SPACE}%"
     if 1 - least / 100 < share < 1:
-        return f"> {100 - 2 * least:g} %"
-    return f"{100 * share:.{digits}f} %".replace("-", MINUS)
+        return f">{SPACE}{100 - 2 * least:g}{SPACE}%"
+    return f"{100 * share:.{digits}f}{SPACE}%".replace("-", MINUS)
 
 
 def percent_interval(lower: float | None, upper: float | None, digits: int = 0) -> str:
@@ -73,7 +88,7 @@ def percent_interval(lower: float | None, upper: float | None, digits: int = 0) 
         return UNDEFINED
     low = f"{100 * lower:.{digits}f}".replace("-", MINUS)
     high = f"{100 * upper:.{digits}f}".replace("-", MINUS)
-    return f"{low} to {high} %"
+    return f"{low} to {high}{SPACE}%"
 
 
 def interval(lower: float | None, upper: float | None, digits: int = 3) -> str:
@@ -84,10 +99,15 @@ def interval(lower: float | None, upper: float | None, digits: int = 3) -> str:
 
 
 def p_value(p: float | None) -> str:
-    """Return ``"p = 0.012"``, or ``"p < 0.001"``."""
+    """Return ``"p = 0.012"``, or ``"p < 0.001"``, in one piece."""
     if p is None:
         return "p undefined"
-    return "p < 0.001" if p < 0.001 else f"p = {p:.2g}"
+    if p < SMALLEST_P:
+        return f"p{SPACE}<{SPACE}{SMALLEST_P:g}"
+    # As many digits as it takes not to round across the level of the test.
+    texts = (f"{p:.{digits}g}" for digits in range(2, 18))
+    text = next(text for text in texts if significant(float(text)) == significant(p))
+    return f"p{SPACE}={SPACE}{text}"
 
 
 def significant(p: float | None) -> bool:
@@ -124,7 +144,7 @@ def _range(values: FloatArray, parameter: str) -> str:
     unit = name_and_unit(parameter)[1]
     low, high = float(values.min()), float(values.max())
     span = f"{low:g}" if low == high else f"{low:g}–{high:g}"
-    return f"{span} {unit}" if unit else span
+    return f"{span}{SPACE}{unit}" if unit else span
 
 
 def listed(words: Sequence[str]) -> str:
@@ -132,6 +152,11 @@ def listed(words: Sequence[str]) -> str:
     if len(words) < 2:
         return "".join(words)
     return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def short(name: str) -> str:
+    """Return a name cut to what fits below an axis."""
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
 
 
 def counted(count: int, singular: str, plural: str | None = None) -> str:

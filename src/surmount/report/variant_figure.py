@@ -13,7 +13,14 @@ from surmount.report.palette import ARM_STYLES, group_colour, translucent
 from surmount.report.plots import annotate, hover, plain, plot
 from surmount.report.run_folder import TRAININGS
 from surmount.report.stills import axes_grid
-from surmount.report.text import axis_label, integer, percent, percent_interval, variant_label
+from surmount.report.text import (
+    axis_label,
+    integer,
+    percent,
+    percent_interval,
+    short,
+    variant_label,
+)
 
 Spans = list[tuple[float, float, int]]
 """Where groups lie along the axis: from, to, and the group."""
@@ -96,7 +103,7 @@ def _panel(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> go.F
         )
         annotate(
             figure,
-            curriculum.groups[group].name,
+            short(curriculum.groups[group].name),
             x=(low + high) / 2,
             y=1.085,
             yanchor="middle",
@@ -151,7 +158,7 @@ def _still(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> Stil
     figure, (ax,) = axes_grid(1, 1, height_in=2.9)
     for low, high, group in spans:
         ax.fill_between([low, high], 1.05, 1.13, color=group_colour(group), alpha=0.75, lw=0)
-        name = curriculum.groups[group].name
+        name = short(curriculum.groups[group].name)
         ax.text((low + high) / 2, 1.087, name, ha="center", va="center", fontsize=7)
     for kind in TRAININGS:
         style, rows = ARM_STYLES[kind], comparison.by_variant[kind]

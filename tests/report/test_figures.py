@@ -1,0 +1,283 @@
+"""Each figure's data against numbers recomputed from the artefacts by other libraries."""
+
+from __future__ import annotations
+
+import numpy as np
+import polars as pl
+import pytest
+import scipy.stats
+from matplotlib.cbook import boxplot_stats
+from scipy.cluster import hierarchy
+
+from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
+from surmount.analysis.synthetic import SyntheticFamily
+from surmount.core.records import read_record
+from surmount.report.contents import document_of
+from surmount.report.dendrogram_layout import layout
+from surmount.report.fit_figure import mixture_fit
+from surmount.report.learning_figure import running_mean
+from surmount.report.path_figure import box_of
+from surmount.report.results import read_run
+from surmount.report.run_folder import TRIALS
+
+EXACT = 1e-12
+"""The same numbers, but for the order of summation."""
+
+
+@pytest.fixture(scope="module")
+def trials(reported) -> pl.DataFrame:
+    """Return one row per trial with its group, from the Parquet files alone."""
+    curriculum = read_record(reported.stages["analysis"].path("curriculum.json"))
+    groups = {
+        variant[0]: group["name"] for group in curriculum["groups"] for variant in group["variants"]
+    }
+    parts = [
+        pl.read_parquet(artefact.path("trials.parquet")).with_columns(stage=pl.lit(kind))
+        for kind, stage in TRIALS.items()
+        for name, artefact in reported.stages.items()
+        if name.startswith(f"{stage}/")
+    ]
+    by = ["stage", "variant.height_mm", "network", "trial"]
+    return (
+        pl.concat(parts)
+        .group_by(by, maintain_order=True)
+        .agg(
+            pl.col("success").first(),
+            pl.col("time_s").last(),
+            sprawl=pl.col("sprawl_deg").diff().abs().sum(),
+            fbem=pl.col("fbem_deg").diff().abs().sum(),
+        )
+        .with_columns(group=pl.col("variant.height_mm").replace_strict(groups))
+    )
+
+
+def test_figure_5_shows_the_recorded_and_sampled_points_of_the_analysis(reported):
+    analysis = read_record(reported.stages["analysis"].path("analysis.json"))
+    rows = reported.rows("figure-5-mixture-fit")
+    for kind in ("recorded", "sampled"):
+        shown = [
+            [float(row[name]) for name in ("time_s", "sprawl_deg", "fbem_deg", "distance_m")]
+            for row in rows
+            if row["kind"] == kind
+        ]
+        assert shown == analysis[kind]
+
+
+def test_figure_5_shows_the_bic_curve_where_k_was_chosen_by_it(trials_analysis):
+    figure = mixture_fit(trials_analysis)
+    curve = trials_analysis.bic
+    shown = [value for value in figure.data["bic"] if value is not None]
+    assert shown == list(curve.values)
+    line = figure.panels[-1].plot.data[0]
+    assert list(line.x) == list(curve.components)
+    assert np.allclose(np.asarray(line.y) * 1000, curve.values, rtol=EXACT)
+    assert f"K = {curve.chosen} was taken" in " ".join(figure.caption)
+
+
+@pytest.fixture(scope="module")
+def trials_analysis() -> Analysis:
+    family = SyntheticFamily(sizes=(3, 3), behaviours=(0, 1), trials=6, steps=30)
+    config = AnalysisConfig(max_components=4, bootstrap=0, scatter_samples=20)
+    return determine_curriculum(family.generate(), config)
+
+
+def test_figure_6_shows_the_distances_and_links_of_the_analysis(reported):
+    analysis = read_record(reported.stages["analysis"].path("analysis.json"))
+    rows = reported.rows("figure-6-distances-and-groups")
+    labels = [f"{variant[0]:g}" for variant in analysis["variants"]]
+    shown = {
+        (row["first"], row["second"]): float(row["distance"])
+        for row in rows
+        if row["kind"] == "distance"
+    }
+    assert shown == {
+        (a, b): analysis["distances"][i][j]
+        for i, a in enumerate(labels)
+        for j, b in enumerate(labels)
+    }
+    links = [row for row in rows if row["kind"] == "link"]
+    assert [float(row["distance"]) for row in links] == [link[2] for link in analysis["linkage"]]
+    assert [row["divided"] == "true" for row in links] == analysis["cut"]["divided"]
+
+
+def test_the_dendrogram_is_scipys_with_the_groups_below_the_cut(reported):
+    analysis = Analysis.load(reported.stages["analysis"].path("analysis.json"))
+    drawn = layout(analysis)
+    scipys = hierarchy.dendrogram(analysis.linkage, no_plot=True)
+    ours = sorted(sorted([left, right, top]) for left, right, top in drawn.heights.tolist())
+    theirs = sorted(sorted([d[0], d[1], d[3]]) for d in scipys["dcoord"])
+    assert np.allclose(ours, theirs, rtol=0, atol=EXACT)
+    assert sorted(drawn.leaves.tolist()) == list(range(12))
+    # A horizontal cut there gives the groups again, whatever their names.
+    flat = hierarchy.fcluster(analysis.linkage, drawn.cut_height, criterion="distance")
+    pairs = flat[:, None] == flat
+    assert (pairs == (analysis.cut.labels[:, None] == analysis.cut.labels)).all()
+    # Links do not cross: below each link stands an unbroken run of leaves.
+    place = np.argsort(drawn.leaves)
+    for link in range(11):
+        below = np.sort(place[analysis.dendrogram.leaves(12 + link)])
+        assert (np.diff(below) == 1).all()
+
+
+def test_figure_7_shows_every_rollout_and_every_level_test(reported):
+    rows = reported.rows("figure-7-learning-curves")
+    for network in ("0", "1"):
+        offset = 0
+        for kind in ("initiation", "curriculum", "control"):
+            artefact = reported.stages[f"{kind}/network-{network}"]
+            history = pl.read_parquet(artefact.path("history.parquet"))
+            shown = [
+                (int(row["steps"]), float(row["reward"]))
+                for row in rows
+                if (row["kind"], row["network"], row["stage"]) == ("rollout", network, kind)
+            ]
+            assert shown == [(offset + s, r) for s, r in history["steps", "reward"].iter_rows()]
+            if kind == "initiation":
+                offset = int(history["steps"][-1])
+        tests = read_record(reported.stages[f"curriculum/network-{network}"].path("training.json"))[
+            "level_tests"
+        ]
+        shown = [row for row in rows if (row["kind"], row["network"]) == ("level test", network)]
+        assert len(shown) == len(tests) > 0
+        for row, test in zip(shown, tests, strict=True):
+            assert int(row["steps"]) == offset + test["steps"]
+            assert row["decision"] == test["decision"]
+            for name in ("first_window", "last_window", "first_gain", "newest_gain", "threshold"):
+                assert float(row[name]) == test[name]
+            assert float(row["ratio"]) == test["ratio"]
+
+
+def test_figure_7_marks_each_test_where_it_was_made(reported):
+    document = document_of(read_run(reported.root))
+    figure = next(f for f in document.figures() if f.name == "figure-7-learning-curves")
+    tests = [row for row in reported.rows(figure.name) if row["kind"] == "level test"]
+    for network, panel in enumerate(figure.panels):
+        marks = panel.plot.data[-1]
+        own = [row for row in tests if row["network"] == str(network)]
+        assert list(marks.x) == [int(row["steps"]) for row in own]
+        for label, row in zip(marks.hovertext, own, strict=True):
+            assert f"{float(row['ratio']):.3f}" in label
+            assert row["decision"] in label
+
+
+def test_the_running_mean_is_that_of_neighbours_of_the_same_level():
+    rng = np.random.default_rng(0)
+    values, part = rng.standard_normal(30), np.repeat([0, 1, 2], [4, 17, 9])
+    expected = [
+        np.mean([v for j, v in enumerate(values) if abs(i - j) <= 2 and part[j] == part[i]])
+        for i in range(30)
+    ]
+    assert np.allclose(running_mean(values, 5, part), expected, rtol=0, atol=EXACT)
+
+
+def test_figure_8_shows_counts_wilson_intervals_and_tests(reported, trials):
+    rows = [row for row in reported.rows("figure-8-success") if not row["network"]]
+    counts = {
+        (stage, group): (won, tried)
+        for stage, group, won, tried in trials.group_by("stage", "group")
+        .agg(pl.col("success").sum(), tried=pl.len())
+        .iter_rows()
+    }
+    assert len(rows) == len(counts) == 9
+    for row in rows:
+        won, tried = counts[row["stage"], row["group"]]
+        assert (int(row["successes"]), int(row["trials"])) == (won, tried)
+        wilson = scipy.stats.binomtest(won, tried).proportion_ci(method="wilson")
+        # SciPy does not round the limits at 0 and 1 to these.
+        assert float(row["lower"]) == pytest.approx(wilson.low, abs=1e-9)
+        assert float(row["upper"]) == pytest.approx(wilson.high, abs=1e-9)
+    for group in ("medium", "difficult"):
+        table = np.array([counts[arm, group] for arm in ("curriculum", "control")])
+        table[:, 1] -= table[:, 0]
+        scipys = scipy.stats.chi2_contingency(table, correction=True)
+        shown = [row for row in rows if row["group"] == group and row["chi_square"]]
+        assert len(shown) == 2
+        for row in shown:
+            assert float(row["chi_square"]) == pytest.approx(scipys.statistic, rel=1e-9)
+            assert float(row["p_value"]) == pytest.approx(scipys.pvalue, rel=1e-9)
+
+
+def test_figure_8_shows_each_networks_own_rate(reported, trials):
+    rates = trials.group_by("stage", "group", "network").agg(pl.col("success").mean())
+    expected = {(s, g, str(n)): r for s, g, n, r in rates.iter_rows()}
+    shown = {
+        (row["stage"], row["group"], row["network"]): float(row["rate"])
+        for row in reported.rows("figure-8-success")
+        if row["network"]
+    }
+    assert shown == pytest.approx(expected, abs=EXACT)
+
+
+def test_the_bars_on_the_screen_are_those_of_the_data(reported):
+    document = document_of(read_run(reported.root))
+    figure = next(f for f in document.figures() if f.name == "figure-8-success")
+    bars = [trace for trace in figure.panels[0].plot.data if trace.type == "bar"]
+    rows = [row for row in reported.rows(figure.name) if not row["network"]]
+    for trace, stage in zip(bars, ("initiation", "curriculum", "control"), strict=True):
+        own = [row for row in rows if row["stage"] == stage]
+        assert list(trace.y) == [float(row["rate"]) for row in own]
+        upper = np.asarray(trace.y) + np.asarray(trace.error_y.array)
+        assert np.allclose(upper, [float(row["upper"]) for row in own], atol=EXACT)
+
+
+def test_figure_8b_shows_scipys_survival_function(reported, trials):
+    rows = reported.rows("figure-8b-survival")
+    for arm in ("curriculum", "control"):
+        for group in ("easy", "medium", "difficult"):
+            own = trials.filter(stage=arm, group=group)
+            time, won = own["time_s"].to_numpy(), own["success"].to_numpy()
+            shown = [row for row in rows if (row["arm"], row["group"]) == (arm, group)]
+            at = [float(row["time_s"]) for row in shown]
+            if won.any():
+                data = scipy.stats.CensoredData.right_censored(time, ~won)
+                # Times that differ by rounding alone are one time in ours: look just after it.
+                expected = scipy.stats.ecdf(data).sf.evaluate(np.asarray(at) + 1e-6)
+            else:
+                expected = np.ones(len(at))
+            assert np.allclose([float(row["survival"]) for row in shown], expected, atol=1e-9)
+
+
+def test_figure_9_shows_the_path_length_of_every_successful_trial(reported, trials):
+    shown = {
+        (row["arm"], row["variant.height_mm"], row["network"], row["trial"]): (
+            float(row["path_length.sprawl_deg"]),
+            float(row["path_length.fbem_deg"]),
+        )
+        for row in reported.rows("figure-9-path-lengths")
+    }
+    won = trials.filter(pl.col("success") & (pl.col("stage") != "initiation"))
+    expected = {
+        (row["stage"], str(row["variant.height_mm"]), str(row["network"]), str(row["trial"])): (
+            row["sprawl"],
+            row["fbem"],
+        )
+        for row in won.iter_rows(named=True)
+    }
+    assert shown.keys() == expected.keys()
+    for key, lengths in shown.items():
+        assert lengths == pytest.approx(expected[key], rel=1e-9)
+
+
+def test_boxes_are_tukeys():
+    rng = np.random.default_rng(1)
+    for size in (1, 2, 7, 100):
+        values = rng.standard_cauchy(size)
+        ours, (theirs,) = box_of(values), boxplot_stats(values)
+        assert (ours.low, ours.q1, ours.median, ours.q3, ours.high) == pytest.approx(
+            tuple(theirs[name] for name in ("whislo", "q1", "med", "q3", "whishi")), abs=EXACT
+        )
+        assert sorted(ours.beyond) == pytest.approx(sorted(theirs["fliers"]))
+
+
+def test_figure_10_shows_success_on_every_variant(reported, trials):
+    counts = trials.group_by("stage", "variant.height_mm").agg(
+        pl.col("success").sum(), tried=pl.len()
+    )
+    expected = {(s, str(v)): (w, n) for s, v, w, n in counts.iter_rows()}
+    rows = reported.rows("figure-10-success-by-variant")
+    shown = {
+        (row["stage"], row["variant.height_mm"]): (int(row["successes"]), int(row["trials"]))
+        for row in rows
+    }
+    assert len(rows) == 36
+    assert shown == expected

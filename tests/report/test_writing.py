@@ -1,0 +1,314 @@
+"""The page and the files beside it: complete, self-contained, escaped, and honest about gaps."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from importlib import resources
+
+import pytest
+from page_reader import PageReader
+from run_builder import SMALL, RunBuilder
+
+from surmount.core.errors import InputError, IntegrityError, MissingExtraError, OutputError
+from surmount.core.records import read_record, write_record
+from surmount.experiment.stages import analyse
+from surmount.report import write_analysis_figures, write_report
+from surmount.report.contents import document_of
+from surmount.report.page import page
+from surmount.report.results import read_run
+from surmount.report.stills import StillFiles, draw
+from surmount.report.text import short
+
+FIGURES = {
+    "figure-5-mixture-fit",
+    "figure-6-distances-and-groups",
+    "figure-7-learning-curves",
+    "figure-7b-training-success",
+    "figure-8-success",
+    "figure-8b-survival",
+    "figure-9-path-lengths",
+    "figure-10-success-by-variant",
+}
+HOSTILE = "</script><img src=x onerror=alert(1)> $\\frac{1}{2}$ %{x} {{ 7*7 }} &amp;"
+
+
+def test_every_figure_is_written_as_svg_png_and_csv(reported):
+    written = {path.name for path in (reported.root / "figures").iterdir()}
+    assert written == {f"{name}.{kind}" for name in FIGURES for kind in ("svg", "png", "csv")}
+    for name in FIGURES:
+        assert (reported.root / "figures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert b"<svg" in (reported.root / "figures" / f"{name}.svg").read_bytes()
+
+
+def test_page_is_well_formed_and_accessible(reported):
+    read = PageReader(reported.text())
+    assert read.problems == []
+    ids = [attributes["id"] for _, attributes in read.elements if "id" in attributes]
+    assert len(ids) == len(set(ids))
+    anchors = [a["href"][1:] for a in read.all("a") if a["href"].startswith("#")]
+    assert set(anchors) <= set(ids)
+    assert len(read.all("h1")) == 1
+    assert all(image["alt"] for image in read.all("img"))
+    assert all(plot.get("aria-label") for plot in read.all("div") if plot.get("role") == "img")
+    assert all("scope" in heading for heading in read.all("th"))
+    assert read.all("html")[0]["lang"] == "en"
+
+
+def test_page_loads_nothing_from_anywhere(reported):
+    read = PageReader(reported.text())
+    for tag, attributes in read.elements:
+        for name in ("src", "href", "srcset", "action", "poster", "data"):
+            if name in attributes:
+                assert attributes[name].startswith(("data:", "#")), (tag, name, attributes[name])
+    assert not re.search(r"@import|url\(", "".join(read.styles))
+    (policy,) = [m["content"] for m in read.all("meta") if "http-equiv" in m]
+    assert "default-src 'none'" in policy  # the browser refuses whatever a script might try
+    assert "connect-src" not in policy
+    assert "http" not in policy
+
+
+def test_page_shows_every_figure_and_both_tables_of_the_paper(reported):
+    read = PageReader(reported.text())
+    assert {figure["id"] for figure in read.all("figure")} == FIGURES
+    assert "Table 1." in read.text
+    assert "Table 2." in read.text
+    for test in read_record(reported.stages["curriculum/network-1"].path("training.json"))[
+        "level_tests"
+    ]:
+        assert " ".join(test["sentence"].split()) in read.text
+
+
+def test_page_shows_the_whole_configuration_by_dotted_keys(reported):
+    read = PageReader(reported.text())
+
+    def leaves(tree, prefix=""):
+        for key, value in tree.items():
+            if isinstance(value, dict):
+                yield from leaves(value, f"{prefix}{key}.")
+            else:
+                yield prefix + key
+
+    keys = list(leaves(read_record(reported.root / "run.json")["config"]))
+    assert len(keys) > 50
+    words = set(read.text.split())
+    assert [key for key in keys if key not in words] == []
+
+
+def test_the_same_artefacts_give_the_same_bytes(reported):
+    files = [reported.page, *sorted((reported.root / "figures").iterdir())]
+    before = {path: path.read_bytes() for path in files}
+    write_report(reported.root)
+    assert [path.name for path in files if path.read_bytes() != before[path]] == []
+
+
+def test_smoke_scale_is_said_and_paper_scale_is_not_called_smoke(reported, tmp_path):
+    said = "Its numbers say nothing about the method's merit."
+    assert said in PageReader(reported.text()).text
+    RunBuilder(tmp_path, scale="paper")
+    document = document_of(read_run(tmp_path))
+    assert [notice.title for notice in document.notices] == ["Unfinished run"]
+
+
+def test_hostile_names_are_shown_as_text_and_never_as_markup(tmp_path):
+    builder = RunBuilder(tmp_path)
+    builder.initiate()
+
+    def renamed(context):
+        analyse(context)
+        for name in ("analysis.json", "curriculum.json"):
+            path = context.output / name
+            path.write_text(path.read_text().replace('"medium"', json.dumps(HOSTILE)))
+
+    config = {"analysis": read_record(tmp_path / "run.json")["config"]["analysis"]}
+    builder.run("analysis", renamed, config, trials="trials")
+    builder.learn()
+    builder.compare()
+    run = read_record(tmp_path / "run.json")
+    run["versions"][HOSTILE] = HOSTILE
+    write_record(tmp_path / "run.json", run)
+
+    read = _page(tmp_path, drawn=("figure-6-distances-and-groups", "figure-8-success"))
+    assert read.problems == []
+    assert {image["class"] for image in read.all("img")} == {"still"}
+    assert not [a for _, a in read.elements if any(name.startswith("on") for name in a)]
+    assert HOSTILE in read.text
+    plots = [
+        json.loads(text)
+        for attributes, text in read.scripts
+        if attributes.get("type") == "application/json"
+    ]
+    ticks = [tick for plot in plots for tick in plot["layout"]["xaxis"].get("ticktext", [])]
+    shown = short(HOSTILE).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    assert shown in ticks  # Plotly decodes entities, and takes only raw brackets for markup
+
+
+@pytest.mark.parametrize(
+    ("kept", "missing", "figures"),
+    [
+        (("initiation/network-0",), "trials/network-1", 2),
+        (("initiation", "trials"), "analysis", 2),
+        (("initiation", "trials", "analysis"), "statistics", 4),
+        (
+            ("initiation", "trials", "analysis", "curriculum", "test-curriculum"),
+            "control/network-0",
+            5,
+        ),
+    ],
+)
+def test_an_interrupted_run_shows_what_exists_and_says_what_is_missing(
+    reported, tmp_path, kept, missing, figures
+):
+    root = _copy(reported.root, tmp_path)
+    index = read_record(root / "index.json")
+    index["stages"] = {
+        name: folder
+        for name, folder in index["stages"].items()
+        if name.split("/")[0] in kept or name in kept
+    }
+    write_record(root / "index.json", index)
+    results = read_run(root)
+    assert missing in results.folder.missing
+    document = document_of(results)
+    (notice,) = [notice for notice in document.notices if notice.title == "Unfinished run"]
+    assert f"{len(results.folder.missing)} stages" in notice.sentences[0]
+    assert len(document.figures()) == figures
+    assert "still to come" in document.summary[-1]
+
+
+def test_a_killed_run_without_an_index_is_read_from_its_stages(reported, tmp_path):
+    root = _copy(reported.root, tmp_path)
+    (root / "index.json").unlink()
+    (root / "timings.json").unlink()
+    assert read_run(root).folder.stages.keys() == reported.stages.keys()
+
+
+def test_a_run_that_has_only_begun_has_a_page(tmp_path):
+    RunBuilder(tmp_path)
+    read = PageReader(write_report(tmp_path).read_text(encoding="utf-8"))
+    assert read.problems == []
+    assert "0 networks of 2 finished the initiation" in read.text
+
+
+def test_no_level_no_success_and_one_network_are_shown_with_their_reasons(tmp_path):
+    nothing = (0.0, 0.0, 0.0)
+    RunBuilder(
+        tmp_path,
+        success={"initiation": (1.0, 1.0, 1.0), "curriculum": nothing, "control": nothing},
+        changes=SMALL | {"networks": 1},
+    ).whole()
+    read = _page(tmp_path, drawn=("figure-8b-survival", "figure-9-path-lengths"))
+    assert read.problems == []
+    assert "Every group already reaches 95 % success" in read.text.replace("\xa0", " ")
+    assert "No trial of either arm succeeded" in read.text
+    assert "fewer than two networks" in read.text
+    assert "nan" not in read.text.lower().split()
+
+
+@pytest.mark.parametrize(
+    ("stage", "file"),
+    [
+        ("initiation/network-0", "history.parquet"),
+        ("curriculum/network-1", "training.json"),
+        ("trials/network-0", "trials.parquet"),
+        ("test-control/network-1", "trials.parquet"),
+        ("analysis", "analysis.json"),
+        ("analysis", "curriculum.json"),
+        ("statistics", "statistics.json"),
+    ],
+)
+def test_a_tampered_artefact_is_refused(reported, tmp_path, stage, file):
+    root = _copy(reported.root, tmp_path)
+    path = root / reported.stages[stage].folder.relative_to(reported.root) / file
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(IntegrityError, match=re.escape(file)):
+        write_report(root)
+    assert not (root / "figures").exists()
+
+
+def test_an_index_that_leads_elsewhere_is_refused(reported, tmp_path):
+    root = _copy(reported.root, tmp_path)
+    index = read_record(root / "index.json")
+    index["stages"]["analysis"] = index["stages"]["statistics"]
+    write_record(root / "index.json", index)
+    with pytest.raises(IntegrityError, match="analysis"):
+        write_report(root)
+
+
+def test_a_folder_without_a_run_and_one_of_another_version_are_refused(reported, tmp_path):
+    with pytest.raises(OutputError, match="no run"):
+        write_report(tmp_path)
+    root = _copy(reported.root, tmp_path / "copy")
+    run = read_record(root / "run.json")
+    write_record(root / "run.json", run | {"schema": 2})
+    with pytest.raises(InputError, match="schema 2"):
+        write_report(root)
+    write_record(root / "run.json", {"schema": 1, "config": {}})
+    with pytest.raises(InputError, match="configuration"):
+        write_report(root)
+
+
+def test_a_missing_extra_is_named(reported, monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("surmount.report.")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "plotly", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'surmount\[report\]'"):
+        write_report(reported.root)
+
+
+def test_the_report_reads_artefacts_without_the_laboratory(reported):
+    program = (
+        "import sys; from pathlib import Path; import surmount.report.writing;"
+        "from surmount.report.contents import document_of;"
+        "from surmount.report.results import read_run;"
+        f"document_of(read_run(Path({str(reported.root)!r})));"
+        "found = {'torch', 'mujoco', 'gymnasium', 'surmount.experiment'} & set(sys.modules);"
+        "sys.exit(', '.join(found) or None)"
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_templates_and_style_lie_beside_the_code():
+    names = {path.name for path in (resources.files("surmount.report") / "templates").iterdir()}
+    assert {"page.html.j2", "page.css", "page.js"} <= names
+
+
+def test_analysis_figures_are_drawn_from_the_record_alone(reported, tmp_path):
+    record = read_record(reported.stages["analysis"].path("analysis.json"))
+    paths = write_analysis_figures(record, tmp_path)
+    assert [path.name for path in paths] == [
+        "figure-5-mixture-fit.svg",
+        "figure-6-distances-and-groups.svg",
+    ]
+    assert all(
+        path.read_bytes() == (reported.root / "figures" / path.name).read_bytes() for path in paths
+    )
+    with pytest.raises(InputError):
+        write_analysis_figures({"kind": "something else"}, tmp_path)
+
+
+def _page(root, *, drawn):
+    """Return the page of a run, with only some of its still figures drawn, to save time."""
+    document = document_of(read_run(root))
+    empty = StillFiles(svg=b"<svg/>", png=b"")
+    stills = {
+        figure.name: draw(figure.still) if figure.name in drawn else empty
+        for figure in document.figures()
+    }
+    assert set(drawn) <= stills.keys()
+    return PageReader(page(document, stills))
+
+
+def _copy(source, target):
+    """Return a copy of a run folder without its report."""
+    root = target / "run"
+    shutil.copytree(source, root, ignore=shutil.ignore_patterns("figures", "report.html"))
+    return root
