@@ -132,7 +132,7 @@ junk = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(path=st.sampled_from(PATHS), value=junk, drop=st.booleans())
 def test_any_change_loads_soundly_or_is_refused_with_a_remedy(path, value, drop):
     record = copy.deepcopy(curriculum().to_record())
