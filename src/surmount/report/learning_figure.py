@@ -19,7 +19,7 @@ from surmount.report.plots import annotate, compact, hover, plot
 from surmount.report.results import TrainingResult
 from surmount.report.run_folder import TRAININGS
 from surmount.report.stills import axes_grid
-from surmount.report.text import counted, integer, number
+from surmount.report.text import MINUS, counted, integer, number
 
 Measure = Literal["reward", "success"]
 Trainings = Mapping[str, Mapping[int, TrainingResult]]
@@ -325,7 +325,7 @@ def _add_tests(figure: go.Figure, curves: list[Curve], tests: list[tuple[int, Le
 
 
 def _test_label(test: LevelTest) -> str:
-    ratio = "undefined" if test.ratio is None else f"{test.ratio:.3f}"
+    ratio = "undefined" if test.ratio is None else f"{test.ratio:.3f}".replace("-", MINUS)
     iteration = f"extension {test.iteration}" if test.iteration else "first iteration"
     return hover(
         f"Level {test.level + 1}, {iteration}: {test.decision}",

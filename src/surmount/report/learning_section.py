@@ -8,7 +8,7 @@ from surmount.report.learning_figure import learning_curves
 from surmount.report.palette import ARM_STYLES
 from surmount.report.results import RunResults
 from surmount.report.run_folder import TRAININGS
-from surmount.report.text import counted, integer, number, signed
+from surmount.report.text import MINUS, counted, integer, number, signed
 
 FEW_TESTS = 12
 """Up to so many tests are shown at once; more are folded network by network."""
@@ -125,7 +125,7 @@ def _row(network: int, test: LevelTest) -> tuple[str, ...]:
         number(test.last_window, 4),
         signed(test.newest_gain),
         signed(test.first_gain),
-        "undefined" if test.ratio is None else f"{test.ratio:.3f}",
+        "undefined" if test.ratio is None else f"{test.ratio:.3f}".replace("-", MINUS),
         f"{test.threshold:g}",
         test.decision,
     )

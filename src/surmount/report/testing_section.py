@@ -26,7 +26,13 @@ from surmount.report.text import (
     signed,
 )
 from surmount.report.variant_figure import success_by_variant
-from surmount.report.verdicts import path_verdict, success_verdict, time_verdict
+from surmount.report.verdicts import (
+    NOT_TESTABLE,
+    because,
+    path_verdict,
+    success_verdict,
+    time_verdict,
+)
 from surmount.stats import KaplanMeier, MethodContrast, SeedInterval
 
 
@@ -77,7 +83,7 @@ def evidence_section(comparison: Comparison | None) -> Section | None:
         )
         for arm in ARMS
     ]
-    rows.append(_evidence_row("difference, curriculum − control", comparison.difference))
+    rows.append(_evidence_row("difference, curriculum − control", comparison.difference, "points"))
     rows.append(_evidence_row("probability of improvement", comparison.probability_of_improvement))
     table = Table(
         label="",
@@ -109,12 +115,10 @@ def evidence_section(comparison: Comparison | None) -> Section | None:
     )
 
 
-def _evidence_row(name: str, found: SeedInterval) -> tuple[str, str, str]:
-    return (
-        name,
-        percent(found.estimate, 1),
-        percent_interval(found.lower, found.upper, 1),
-    )
+def _evidence_row(name: str, found: SeedInterval, unit: str = "%") -> tuple[str, str, str]:
+    values = (percent(found.estimate, 1), percent_interval(found.lower, found.upper, 1))
+    estimate, limits = (value.replace("%", unit) for value in values)
+    return name, estimate, limits
 
 
 def success_table(comparison: Comparison) -> Table:
@@ -133,9 +137,9 @@ def success_table(comparison: Comparison) -> Table:
         *dict.fromkeys(test.reason for test in tests if test.reason),
     ]
     if small:
+        named = listed([f"“{name}”" for name in small])
         notes.append(
-            f"In {listed(small)} an expected count is below 5: there the p-value is only roughly "
-            "right."
+            f"In {named} an expected count is below 5: there the p-value is only roughly right."
         )
     return Table(
         label="",
@@ -284,7 +288,7 @@ def _contrast_row(name: str, contrast: MethodContrast) -> tuple[str, ...]:
 def _interaction(comparison: Comparison, path: str) -> str:
     found = comparison.path_lengths[path].interaction
     if found is None or found.statistic is None:
-        return "undefined" + (f" ({found.reason})" if found and found.reason else "")
+        return because(NOT_TESTABLE, None, None if found is None else found.reason)
     return (
         f"F = {number(found.statistic)} on {found.numerator_df} and "
         f"{number(found.denominator_df)} degrees of freedom, {p_value(found.p_value)}"
