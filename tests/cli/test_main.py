@@ -6,15 +6,14 @@ import json
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from small import SMALL, small_config
 
+from example_trials import two_behaviours
 from surmount.cli.main import run
 from surmount.core.configuration import dotted_keys, override, read_overrides
 from surmount.core.records import read_record, write_record
 from surmount.core.trial_table import write_trials
-from surmount.core.trials import Trials
 from surmount.experiment import ExperimentConfig, begin, preset
 
 
@@ -107,6 +106,12 @@ def test_a_printed_configuration_is_read_back_unchanged(capsys, tmp_path):
     assert override(preset("low-entrance", "smoke"), changes) == preset("step", "paper")
 
 
+def test_every_repeated_assignment_counts(capsys):
+    code, out, _ = call(capsys, "config", "step", "--set", "seed=7", "--set", "networks=3")
+    assert code == 0
+    assert "seed = 7\nnetworks = 3\n" in out
+
+
 def test_help_names_every_verb(capsys):
     with pytest.raises(SystemExit) as ended:
         run(["--help"])
@@ -149,7 +154,7 @@ def test_show_prints_the_curriculum_of_a_run_and_why(finished, capsys):
     assert "Curriculum over width_mm" in out
     code, out, _ = call(capsys, "show", root, "--why")
     assert code == 0
-    assert "BIC" in out
+    assert "Links of the dendrogram" in out
 
 
 def test_a_damaged_artefact_ends_with_code_5(finished, capsys, tmp_path):
@@ -164,27 +169,6 @@ def test_a_damaged_artefact_ends_with_code_5(finished, capsys, tmp_path):
     assert code == 5
     assert str(path) in err
     assert "Delete" in err
-
-
-def two_behaviours() -> Trials:
-    """Trials of a made-up robot: narrow variants are passed slowly, wide ones fast."""
-    rng = np.random.default_rng(0)
-    variants, repetitions, steps = np.arange(8.0), 4, 40
-    trials = len(variants) * repetitions
-    variant = np.repeat(variants, repetitions)
-    speed = np.where(variant < 4, 1.0, 5.0)
-    time = np.tile(np.arange(steps) * 0.1, trials)
-    place = np.repeat(speed, steps) * time + rng.normal(0, 0.1, trials * steps)
-    return Trials(
-        parameters=("width_mm",),
-        feature_names=("time_s", "place_m"),
-        variant=variant[:, None],
-        network=np.zeros(trials, dtype=np.int64),
-        repetition=np.tile(np.arange(repetitions), len(variants)),
-        success=variant >= 4,
-        starts=np.arange(trials + 1) * steps,
-        features=np.stack([time, place], axis=1),
-    )
 
 
 @pytest.mark.parametrize("suffix", ["parquet", "csv"])

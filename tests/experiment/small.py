@@ -38,13 +38,13 @@ class Watcher:
     def __init__(self):
         self.started, self.sentences = [], []
 
-    def stage_reused(self, stage):
+    def stage_reused(self, artefact):
         pass
 
     def stage_started(self, stage):
         self.started.append(stage)
 
-    def stage_finished(self, stage, seconds):
+    def stage_finished(self, artefact, seconds):
         pass
 
     def listen(self, event):

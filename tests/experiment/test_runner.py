@@ -17,14 +17,14 @@ class Observer:
     def __init__(self):
         self.reused, self.started, self.finished, self.told = [], [], [], []
 
-    def stage_reused(self, stage):
-        self.reused.append(stage)
+    def stage_reused(self, artefact):
+        self.reused.append(artefact.stage)
 
     def stage_started(self, stage):
         self.started.append(stage)
 
-    def stage_finished(self, stage, seconds):
-        self.finished.append(stage)
+    def stage_finished(self, artefact, seconds):
+        self.finished.append(artefact.stage)
 
     def listen(self, event):
         self.told.append(event)

@@ -9,7 +9,7 @@ import tyro
 
 from surmount.analysis import AnalysisConfig, determine_curriculum
 from surmount.analysis.explanation import describe_curriculum
-from surmount.cli.options import overrides
+from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
 from surmount.core.store import output_errors, sole_user
 from surmount.core.trial_table import read_trials
@@ -19,9 +19,9 @@ from surmount.report import write_analysis_figures
 def analyze(
     trials: Annotated[Path, tyro.conf.Positional],
     *,
-    out: Path,
-    config: Path | None = None,
-    set: tuple[str, ...] = (),  # noqa: A002 - the option's name
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    config: ConfigFile = None,
+    set: Assignments = (),  # noqa: A002 - the option's name
 ) -> int:
     """Turn logged trials into a curriculum, with every reason kept.
 
@@ -33,7 +33,7 @@ def analyze(
             feature, one row per time step.
         out: Folder for the results.
         config: TOML or JSON file of analysis options to change, such as linkage = "complete".
-        set: Analysis options to change, as key=value; they override the file.
+        set: Analysis option to change, as key=value; may be repeated; overrides the file.
     """
     chosen = override(AnalysisConfig(), overrides(config, set))
     table = read_trials(

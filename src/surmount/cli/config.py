@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 import tyro
 
-from surmount.cli.options import overrides
+from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import dotted_keys, override, to_record
 from surmount.experiment import ExperimentConfig
 from surmount.experiment import preset as experiment_preset
@@ -17,9 +16,9 @@ from surmount.experiment import preset as experiment_preset
 def config(
     obstacle: Annotated[str, tyro.conf.Positional],
     *,
-    preset: str = "smoke",
-    config: Path | None = None,
-    set: tuple[str, ...] = (),  # noqa: A002 - the option's name
+    preset: Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")] = "smoke",
+    config: ConfigFile = None,
+    set: Assignments = (),  # noqa: A002 - the option's name
 ) -> int:
     """Print a configuration as TOML: save it, edit it, and give it back by --config.
 
@@ -27,7 +26,7 @@ def config(
         obstacle: narrow-channel, low-entrance or step.
         preset: smoke or paper.
         config: TOML or JSON file of configuration keys to change.
-        set: Configuration keys to change, as key=value; they override the file.
+        set: Configuration key to change, as key=value; may be repeated; overrides the file.
     """
     chosen = override(experiment_preset(obstacle, preset), overrides(config, set))
     record = to_record(chosen)

@@ -20,7 +20,7 @@ from rich.progress import (
 )
 
 from surmount.core.monitor import Progress as StageProgress
-from surmount.core.store import output_errors
+from surmount.core.store import Artefact, output_errors
 from surmount.experiment import StageEvent
 
 PLAIN_INTERVAL_S = 20.0
@@ -81,17 +81,18 @@ class RunDisplay:
         """Say something about the run as a whole."""
         self._say("run", sentence)
 
-    def stage_reused(self, stage: str) -> None:
+    def stage_reused(self, artefact: Artefact) -> None:
         """Say that a stage was finished before."""
-        self._say(stage, "kept from an earlier call")
+        self._say(artefact.stage, "kept from an earlier call")
 
     def stage_started(self, stage: str) -> None:
         """Begin a bar."""
         self._tasks[stage] = self._bars.add_task(escape(stage), total=None, rate="", values="")
         self._say(stage, "begins", quietly=True)
 
-    def stage_finished(self, stage: str, seconds: float) -> None:
+    def stage_finished(self, artefact: Artefact, seconds: float) -> None:
         """End a bar."""
+        stage = artefact.stage
         if stage in self._tasks:
             self._bars.remove_task(self._tasks.pop(stage))
         self._say(stage, f"finished in {seconds:.0f} s")

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import tyro
 
 from surmount.core.configuration import read_overrides
 from surmount.core.errors import ConfigError
+
+Assignments = Annotated[
+    tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KEY=VALUE")
+]
+"""Values of an option given any number of times; none of them may get lost."""
+
+ConfigFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
+"""A file of configuration keys."""
 
 
 def overrides(file: Path | None, assignments: Sequence[str]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import tyro
 from rich.console import Console
 
 from surmount.cli.display import RunDisplay
-from surmount.cli.options import overrides
+from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.summary import print_summary
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
@@ -33,14 +33,18 @@ INTERRUPTED = 130
 
 
 def reproduce(
-    obstacle: Annotated[str | None, tyro.conf.Positional] = None,
+    obstacle: Annotated[
+        str | None,
+        tyro.conf.Positional,
+        tyro.conf.arg(metavar="{narrow-channel,low-entrance,step}"),
+    ] = None,
     *,
-    out: Path,
-    preset: str = "smoke",
-    seeds: int | None = None,
-    resume: bool = False,
-    config: Path | None = None,
-    set: tuple[str, ...] = (),  # noqa: A002 - the option's name
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    preset: Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")] = "smoke",
+    seeds: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
+    resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
+    config: ConfigFile = None,
+    set: Assignments = (),  # noqa: A002 - the option's name
     processes: int = 2,
 ) -> int:
     """Run the paper's protocol on one obstacle, from the first learning step to the report.
@@ -49,13 +53,13 @@ def reproduce(
     training goes on from its last checkpoint to the same result. Ctrl-C stops cleanly.
 
     Args:
-        obstacle: narrow-channel, low-entrance or step.
+        obstacle: The obstacle; may be left out with --resume.
         out: Folder for everything the run makes.
         preset: smoke (minutes, shows the method at work) or paper (the paper's scale, many hours).
         seeds: Number of independent initial networks; the preset's if not given.
         resume: Go on with the run in --out, with its stored configuration.
         config: TOML or JSON file of configuration keys to change; see `surmount config`.
-        set: Configuration keys to change, as key=value; they override the file.
+        set: Configuration key to change, as key=value; may be repeated; overrides the file.
         processes: Worker processes of one thread each; 0 runs everything in this process.
     """
     changes = overrides(config, set)

@@ -13,7 +13,7 @@ from surmount.teachers import AdvancementConfig
 SCALES = ("smoke", "paper")
 INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_000_000}
 """Learning steps of the initiation (paper III-C)."""
-SMOKE_INITIAL_STEPS = {"narrow-channel": 20_000, "low-entrance": 20_000, "step": 60_000}
+SMOKE_INITIAL_STEPS = {"narrow-channel": 20_000, "low-entrance": 20_000, "step": 40_000}
 """A small share of the paper's: enough to learn to drive, not to master the obstacle."""
 
 
@@ -46,8 +46,8 @@ def preset(obstacle: str, scale: str) -> ExperimentConfig:
             trials=RolloutConfig(repetitions=6),
             analysis=AnalysisConfig(max_components=12),
             advancement=AdvancementConfig(
-                iteration_steps=30_000,
-                extension_steps=15_000,
+                iteration_steps=20_000,
+                extension_steps=10_000,
                 window_steps=5_000,
                 max_extensions=2,
             ),

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from surmount.core.configuration import differences, from_record, to_record
-from surmount.core.errors import ConfigError, OutputError
+from surmount.core.errors import ConfigError, InputError, OutputError
 from surmount.core.records import read_record, write_record
-from surmount.core.store import output_errors
+from surmount.core.store import Artefact, output_errors
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.executors import Executor, InProcessExecutor, Listener, ProcessExecutor
 from surmount.experiment.protocol import protocol
@@ -81,7 +81,7 @@ def run(
     *,
     on_ready: Callable[[GraphRunner], None] = lambda _: None,
 ) -> RunOutcome:
-    """Run what is missing of an experiment and index its artefacts.
+    """Run what is missing of an experiment, and keep an index of its artefacts.
 
     Parameters
     ----------
@@ -94,18 +94,47 @@ def run(
     on_ready
         Called with the runner before it starts, to let signals stop it.
     """
-    runner = GraphRunner(root, protocol(config), executor, observer)
+    runner = GraphRunner(root, protocol(config), executor, _Journal(root, observer))
     on_ready(runner)
     with output_errors(root):
-        outcome = runner.run()
-        stages = {
-            name: artefact.folder.relative_to(root).as_posix()
-            for name, artefact in sorted(outcome.artefacts.items())
-        }
-        write_record(root / INDEX, {"schema": SCHEMA, "stages": stages})
-        known = read_record(root / TIMINGS) if (root / TIMINGS).is_file() else {}
-        write_record(root / TIMINGS, known | outcome.seconds)
-    return outcome
+        return runner.run()
+
+
+class _Journal:
+    """Writes down where each stage's files are and how long it took, as soon as it ends."""
+
+    def __init__(self, root: Path, observer: RunObserver) -> None:
+        self._root = root
+        self._observer = observer
+        self._stages: dict[str, str] = {}
+        self._seconds = _numbers(root / TIMINGS)
+
+    def stage_reused(self, artefact: Artefact) -> None:
+        self._index(artefact)
+        self._observer.stage_reused(artefact)
+
+    def stage_started(self, stage: str) -> None:
+        self._observer.stage_started(stage)
+
+    def stage_finished(self, artefact: Artefact, seconds: float) -> None:
+        self._seconds[artefact.stage] = round(seconds, 3)
+        write_record(self._root / TIMINGS, self._seconds)
+        self._index(artefact)
+        self._observer.stage_finished(artefact, seconds)
+
+    def _index(self, artefact: Artefact) -> None:
+        self._stages[artefact.stage] = artefact.folder.relative_to(self._root).as_posix()
+        stages = dict(sorted(self._stages.items()))
+        write_record(self._root / INDEX, {"schema": SCHEMA, "stages": stages})
+
+
+def _numbers(path: Path) -> dict[str, float]:
+    """Return the timings of earlier calls; a damaged file loses these and nothing else."""
+    try:
+        record = read_record(path)
+    except InputError:
+        return {}
+    return {name: value for name, value in record.items() if isinstance(value, float)}
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:

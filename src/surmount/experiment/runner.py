@@ -22,7 +22,7 @@ POLL_S = 0.1
 class RunObserver(Protocol):
     """Watches a run: for a progress display or a log file."""
 
-    def stage_reused(self, stage: str) -> None:
+    def stage_reused(self, artefact: Artefact) -> None:
         """Take note that a stage was finished by an earlier call."""
         ...
 
@@ -30,7 +30,7 @@ class RunObserver(Protocol):
         """Take note that a stage has begun."""
         ...
 
-    def stage_finished(self, stage: str, seconds: float) -> None:
+    def stage_finished(self, artefact: Artefact, seconds: float) -> None:
         """Take note that a stage was finished now."""
         ...
 
@@ -43,14 +43,11 @@ class RunOutcome:
     ----------
     artefacts
         Every finished stage by name.
-    seconds
-        Time that each stage run by this call took, by name.
     interrupted
         Whether the run was asked to stop before it was complete.
     """
 
     artefacts: dict[str, Artefact]
-    seconds: dict[str, float]
     interrupted: bool
 
 
@@ -79,7 +76,6 @@ class GraphRunner:
         self._observer = observer
         self._finished: dict[str, Artefact] = {}
         self._running: dict[str, tuple[Future[Artefact], float]] = {}
-        self._seconds: dict[str, float] = {}
         self._stopping = False
         self._interrupted = False
 
@@ -112,7 +108,6 @@ class GraphRunner:
             raise failure
         return RunOutcome(
             artefacts=dict(self._finished),
-            seconds=dict(self._seconds),
             interrupted=self._interrupted or bool(self._waiting),
         )
 
@@ -125,7 +120,7 @@ class GraphRunner:
             if found is not None:
                 del self._waiting[name]
                 self._finished[name] = found
-                self._observer.stage_reused(name)
+                self._observer.stage_reused(found)
             elif len(self._running) < self._executor.slots and not self._stopping:
                 del self._waiting[name]
                 self._observer.stage_started(name)
@@ -156,8 +151,7 @@ class GraphRunner:
             error = future.exception()
             if error is None:
                 self._finished[name] = future.result()
-                self._seconds[name] = time.monotonic() - began
-                self._observer.stage_finished(name, self._seconds[name])
+                self._observer.stage_finished(future.result(), time.monotonic() - began)
             elif isinstance(error, Interrupted):
                 self._interrupted = True
                 self._stopping = True
