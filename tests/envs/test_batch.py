@@ -15,6 +15,8 @@ from surmount.robot import RobotConfig
 NAMES = tuple(OBSTACLES)
 SHORT = EnvConfig(decision_interval_s=0.02, episode_s=0.3)
 """Episodes of 15 short decisions: resets happen often and cheaply."""
+TENTHS = EnvConfig(decision_interval_s=0.1)
+"""Ten decisions a second."""
 
 
 def actions(steps, envs, seed=0):
@@ -122,7 +124,9 @@ def test_the_robot_meets_the_obstacle_that_the_variant_names():
 
 
 def test_a_wide_channel_lets_pass_what_a_narrow_one_stops():
-    env = ObstacleVectorEnv("narrow-channel", 2, autoreset_mode=AutoresetMode.DISABLED)
+    env = ObstacleVectorEnv(
+        "narrow-channel", 2, config=TENTHS, autoreset_mode=AutoresetMode.DISABLED
+    )
     env.reset(seed=0, options={"variant": [180.0, 300.0], "start": "fixed"})
     ahead = np.tile([1.0, 0.0, 0.0], (2, 1))
     for _ in range(60):
@@ -214,7 +218,7 @@ def test_next_step_autoreset_ignores_the_action_of_the_resetting_step():
 
 
 def test_driving_off_the_floor_ends_the_episode_with_minus_five():
-    env = ObstacleEnv("step")
+    env = ObstacleEnv("step", config=TENTHS)
     env.reset(seed=0, options={"variant": 30, "start": "fixed"})
     for _ in range(200):
         _, reward, terminated, truncated, info = env.step([-1.0, 0.0, 0.0])
@@ -229,7 +233,7 @@ def test_driving_off_the_floor_ends_the_episode_with_minus_five():
 
 
 def test_speed_command_is_limited_to_a_quarter_metre_a_second_and_one_metre_a_second_squared():
-    env = ObstacleVectorEnv("low-entrance", 1, autoreset_mode=AutoresetMode.DISABLED)
+    env = ObstacleVectorEnv("low-entrance", 1, config=TENTHS, autoreset_mode=AutoresetMode.DISABLED)
     _, infos = env.reset(seed=0, options={"variant": 140, "start": "fixed"})
     distance = [infos["features"][0, 3]]
     for _ in range(15):
@@ -259,7 +263,7 @@ def test_a_diverged_simulation_ends_its_episode_is_counted_and_never_shows_nan(
 ):
     monkeypatch.chdir(tmp_path)  # MuJoCo logs its warnings into the working directory
     for mode in (AutoresetMode.SAME_STEP, AutoresetMode.DISABLED):
-        env = ObstacleVectorEnv("step", 3, autoreset_mode=mode)
+        env = ObstacleVectorEnv("step", 3, config=TENTHS, autoreset_mode=mode)
         env.reset(seed=0)
         env.simulation.batch.bind("qfrc_applied")[1, 3] = 1e14
         obs, reward, terminated, _, infos = env.step(np.zeros((3, 3)))
@@ -278,7 +282,7 @@ def test_a_diverged_simulation_ends_its_episode_is_counted_and_never_shows_nan(
 
 def random_run(name, steps, config=None):
     """Deepest contacts in mm of the robot with floor and obstacle over random actions."""
-    env = ObstacleVectorEnv(name, 9, config=config)
+    env = ObstacleVectorEnv(name, 9, config=config or TENTHS)
     env.reset(seed=0)
     rng = np.random.default_rng(1)
     deepest, diverged, fastest = 0.0, 0, 0.0
@@ -312,7 +316,7 @@ def test_random_actions_neither_diverge_nor_push_the_robot_into_floor_or_obstacl
 @pytest.mark.parametrize("name", NAMES)
 def test_long_random_runs_neither_diverge_nor_penetrate(name, gear):
     deepest_mm, diverged, fastest = random_run(
-        name, 50_000, EnvConfig(robot=RobotConfig(gear=gear))
+        name, 50_000, EnvConfig(robot=RobotConfig(gear=gear), decision_interval_s=0.1)
     )
     assert diverged == 0
     assert 0.0 < deepest_mm < 6.0

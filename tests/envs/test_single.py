@@ -34,10 +34,10 @@ def test_observations_are_the_documented_terms_in_the_documented_units():
 def test_rewards_of_a_standing_robot_are_those_of_eq_6():
     env = ObstacleEnv("step")
     env.reset(seed=0, options={"variant": 30, **FIXED})
-    for _ in range(10):
+    for _ in range(50):
         _, reward, _, _, info = env.step(np.zeros(3))
-    # At rest: −1/200 − 1e-4 x distance in cm, nothing for motion.
-    expected = -0.005 - 1e-4 * info["features"][3] * 100
+    # At rest: −1/1000 − 1e-4 x distance in cm, nothing for motion.
+    expected = -0.001 - 1e-4 * info["features"][3] * 100
     assert reward == pytest.approx(expected, abs=1e-5)
 
 
@@ -45,7 +45,7 @@ def test_a_fixed_start_stands_still():
     for gear in ("wheels", "both"):
         env = ObstacleEnv("step", config=EnvConfig(robot=RobotConfig(gear=gear)))
         start, _ = env.reset(seed=0, options={"variant": 30, **FIXED})
-        for _ in range(20):
+        for _ in range(100):
             obs, _, _, _, _ = env.step(np.zeros(3))
         moved = np.abs(obs - start)
         assert moved[:2] * 90 == pytest.approx(0.0, abs=1.0)  # yaw and pitch, degrees

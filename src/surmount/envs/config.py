@@ -151,9 +151,11 @@ class EnvConfig:
     """Distribution of the starts of training episodes."""
     reward: RewardConfig = field(default_factory=RewardConfig)
     """The reward's weights and units."""
-    decision_interval_s: float = 0.1
+    decision_interval_s: float = 0.02
     """Time between decisions in s, during which the action is re-applied at every physics tick;
-    assumed. In probes shorter intervals left everything beyond the easy steps unexplored."""
+    assumed. In probes of a quarter of a million steps 20 ms left a slope from variants that always
+    succeed to variants that never do, as in the paper; at 100 ms every variant was soon mastered,
+    at five times the computing. The simulation decides every 5 ms."""
     episode_s: float = 20.0
     """Cap of an episode in s; the paper."""
 
