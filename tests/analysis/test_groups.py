@@ -119,7 +119,7 @@ def test_weights_sum_to_one_and_favour_the_easier(n, dominant, weight, share):
 
 def test_default_weights_of_three_groups():
     config = AnalysisConfig()
-    assert level_weights(1, 3, config) == (0.3, 0.7, 0.0)
+    assert level_weights(1, 3, config) == (0.2, 0.7, 0.1)
     assert level_weights(2, 3, config) == (0.2, 0.1, 0.7)
     assert level_weights(0, 3, config) == (0.7, 0.2, 0.1)
     assert level_weights(0, 1, config) == (1.0,)

@@ -85,7 +85,8 @@ class AnalysisConfig:
     dominant_weight
         Weight of a level's dominant group. Assumed: Table 2 of the paper is lost.
     harder_share
-        Share of the remaining weight that goes to groups harder than the dominant one. Assumed.
+        Share of the remaining weight that goes to groups harder than the dominant one: a third, so
+        that more goes to the easier ones, against forgetting. Assumed.
     bounds
         ``"halfway"`` extends a group half-way to the neighbouring variants of other groups,
         ``"range"`` ends it at its own outermost variants (paper II-C names both).
@@ -129,7 +130,7 @@ class AnalysisConfig:
     small_group_fraction: float = 0.0
     success_threshold: float = 0.95
     dominant_weight: float = 0.7
-    harder_share: float = 0.0
+    harder_share: float = 1 / 3
     bounds: BoundsRule = "halfway"
     bootstrap: int = 30
     bootstrap_samples: int = 1_000
