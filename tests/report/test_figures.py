@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import polars as pl
 import pytest
@@ -12,9 +14,11 @@ from scipy.cluster import hierarchy
 from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
 from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.records import read_record
+from surmount.report import write_analysis_figures
 from surmount.report.contents import document_of
 from surmount.report.dendrogram_layout import layout
 from surmount.report.fit_figure import mixture_fit
+from surmount.report.grouping_section import grouping_section
 from surmount.report.learning_figure import running_mean
 from surmount.report.path_figure import box_of
 from surmount.report.results import read_run
@@ -281,3 +285,24 @@ def test_figure_10_shows_success_on_every_variant(reported, trials):
     }
     assert len(rows) == 36
     assert shown == expected
+
+
+@pytest.mark.parametrize("features", [1, 4])
+def test_trials_of_any_task_have_figures(tmp_path, features):
+    generated = SyntheticFamily(sizes=(4, 4), behaviours=(0, 1), trials=4, steps=30).generate()
+    size = generated.variant[:, 0]
+    trials = dataclasses.replace(
+        generated,
+        parameters=("height_mm", "$friction$"),
+        variant=np.stack([100 + 100 * (size >= 140), size % 40 / 100], axis=1),
+        feature_names=generated.feature_names[:features],
+        features=generated.features[:, :features],
+    )
+    analysis = determine_curriculum(trials, AnalysisConfig(components=2, bootstrap=0))
+    write_analysis_figures(analysis.to_record(), tmp_path)
+    text = (tmp_path / "figure-5-mixture-fit.csv").read_text(encoding="utf-8")
+    assert text.splitlines()[0].split(",")[1 : 1 + features] == list(analysis.features.names)
+    assert text.count("\nsampled,") == len(analysis.sampled)
+    section = grouping_section(analysis)
+    (levels,) = [b for b in section.blocks if b.kind == "table" and b.label == "Table 2"]
+    assert " cells within " in levels.rows[0][1]

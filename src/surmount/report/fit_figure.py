@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import numpy as np
 import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
@@ -20,6 +21,7 @@ from surmount.report.text import axis_label, name_and_unit, variant_label
 
 RECORDED = "#444444"
 SAMPLED = "#0072B2"
+BINS = 40
 MOST_FEATURES = 4
 """Pairs are drawn of so many features: six panels, as in the paper."""
 
@@ -27,10 +29,12 @@ MOST_FEATURES = 4
 def mixture_fit(analysis: Analysis) -> Figure:
     """Draw all pairs of features of the variant on which K was chosen (paper fig. 5)."""
     names = analysis.features.names[:MOST_FEATURES]
-    pairs = list(itertools.combinations(range(len(names)), 2)) or [(0, 0)]
+    pairs = list(itertools.combinations(range(len(names)), 2))
     chosen = analysis.mixtures[analysis.bic_variant].n_components
     where = _variant(analysis)
     panels = [_scatter_panel(analysis, first, second) for first, second in pairs]
+    if not pairs:
+        panels.append(_histogram_panel(analysis))
     if analysis.bic is not None:
         panels.append(_bic_panel(analysis.bic))
     caption = [
@@ -52,7 +56,7 @@ def mixture_fit(analysis: Analysis) -> Figure:
         title="Recorded and sampled behaviour, and the choice of the number of Gaussians",
         caption=tuple(caption),
         alternative=(
-            f"Scatter plots of pairs of the features {', '.join(map(axis_label, names))} for "
+            f"Points over pairs of the features {', '.join(map(axis_label, names))} for "
             f"variant {where}, recorded points beside points sampled from the mixture"
             + (", and the BIC over the number of components." if analysis.bic else ".")
         ),
@@ -101,6 +105,30 @@ def _scatter_panel(analysis: Analysis, first: int, second: int) -> Panel:
                     "opacity": 0.45,
                     "line": {"color": colour, "width": 1 if "thin" in symbol else 0},
                 },
+                hoverinfo="skip",
+            )
+        )
+    return Panel(plot=figure, height_px=250)
+
+
+def _histograms(analysis: Analysis) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return edges of bins, and the shares of recorded and sampled values of the one feature."""
+    both = (analysis.recorded[:, 0], analysis.sampled[:, 0])
+    edges = np.histogram_bin_edges(np.concatenate(both), bins=BINS)
+    recorded, sampled = (np.histogram(values, edges)[0] / values.size for values in both)
+    return edges, recorded, sampled
+
+
+def _histogram_panel(analysis: Analysis) -> Panel:
+    edges, *shares = _histograms(analysis)
+    figure = plot(x_title=axis_label(analysis.features.names[0]), y_title="share")
+    for values, colour in zip(shares, (RECORDED, SAMPLED), strict=True):
+        figure.add_trace(
+            go.Scatter(
+                x=edges,
+                y=[*values.tolist(), 0.0],
+                mode="lines",
+                line={"color": colour, "width": 2, "shape": "hv"},
                 hoverinfo="skip",
             )
         )
@@ -160,12 +188,14 @@ def _right_of_middle(curve: BICCurve) -> bool:
 
 
 def _still(analysis: Analysis, pairs: list[tuple[int, int]]) -> StillFigure:
-    count = len(pairs) + (analysis.bic is not None)
+    count = max(len(pairs), 1) + (analysis.bic is not None)
     columns = min(3, count)
     rows = -(-count // columns)
     figure, axes = axes_grid(rows, columns, height_in=1.95 * rows + 0.25, used=count)
     for (first, second), ax in zip(pairs, axes, strict=False):
         _draw_pair(ax, analysis, first, second)
+    if not pairs:
+        _draw_histograms(axes[0], analysis)
     if analysis.bic is not None:
         _draw_bic(axes[-1], analysis.bic)
     handles, labels = axes[0].get_legend_handles_labels()
@@ -193,6 +223,14 @@ def _draw_pair(ax: Axes, analysis: Analysis, first: int, second: int) -> None:
         )
     ax.set_xlabel(axis_label(names[first]))
     ax.set_ylabel(axis_label(names[second]))
+
+
+def _draw_histograms(ax: Axes, analysis: Analysis) -> None:
+    edges, recorded, sampled = _histograms(analysis)
+    ax.stairs(recorded, edges, color=RECORDED, label="recorded")
+    ax.stairs(sampled, edges, color=SAMPLED, label="drawn from the mixture")
+    ax.set_xlabel(axis_label(analysis.features.names[0]))
+    ax.set_ylabel("share")
 
 
 def _draw_bic(ax: Axes, curve: BICCurve) -> None:

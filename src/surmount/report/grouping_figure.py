@@ -150,7 +150,9 @@ def _matrix_panel(analysis: Analysis) -> go.Figure:
 
 
 def _variant_title(analysis: Analysis) -> str:
-    return axis_label(analysis.parameters[0]) if len(analysis.parameters) == 1 else "variant"
+    if len(analysis.parameters) == 1:
+        return axis_label(analysis.parameters[0])
+    return f"variant: {', '.join(axis_label(name) for name in analysis.parameters)}"
 
 
 def _runs(analysis: Analysis) -> list[tuple[int, int]]:
@@ -248,7 +250,7 @@ def _draw_matrix(figure: StillFigure, ax: Axes, analysis: Analysis) -> None:
         ax.add_patch(Rectangle((start - 0.5, start - 0.5), size, size, fill=False, ec=colour, lw=2))
     ticks = _ticks(n)
     labels = [variant_label(analysis.variants[i]) for i in ticks]
-    ax.set_xticks(ticks, labels)
+    ax.set_xticks(ticks, labels, rotation=0 if len(analysis.parameters) == 1 else 90)
     ax.set_yticks(ticks, labels)
     ax.set_xlabel(_variant_title(analysis))
     ax.set_ylabel(_variant_title(analysis))

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from surmount.analysis import Analysis
 from surmount.analysis.stability import Stability
+from surmount.core.arrays import FloatArray
+from surmount.core.curriculum import Group
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.fit_figure import mixture_fit
 from surmount.report.grouping_figure import distances_and_groups
@@ -20,6 +26,9 @@ from surmount.report.text import (
     variant_range,
 )
 from surmount.stats import proportion_intervals
+
+MOST_BOXES = 2
+"""Up to so many boxes of a group are written out."""
 
 
 def grouping_section(analysis: Analysis | None) -> Section:
@@ -104,16 +113,7 @@ def level_table(analysis: Analysis) -> Table | Paragraph:
             text="The curriculum has no levels: every group already reaches a success of "
             f"{percent(curriculum.success_threshold)} after the initiation."
         )
-    bounds = [
-        " and ".join(
-            ", ".join(
-                f"{interval(float(low), float(high), 4)} {name_and_unit(name)[1]}".strip()
-                for name, low, high in zip(curriculum.parameters, box.lower, box.upper, strict=True)
-            )
-            for box in group.boxes
-        )
-        for group in curriculum.groups
-    ]
+    bounds = [_bounds(curriculum.parameters, group) for group in curriculum.groups]
     return Table(
         label="Table 2",
         title="Levels of the curriculum: weight of each group",
@@ -143,6 +143,22 @@ def level_table(analysis: Analysis) -> Table | Paragraph:
                 "dominant group. The paper's own weights are lost; these are assumed."
             ),
         ),
+    )
+
+
+def _bounds(parameters: Sequence[str], group: Group) -> str:
+    """Return where a group's tasks are drawn from: boxes, or their number and what they span."""
+    if len(group.boxes) <= MOST_BOXES:
+        return " and ".join(_span(parameters, box.lower, box.upper) for box in group.boxes)
+    lower = np.min([box.lower for box in group.boxes], axis=0)
+    upper = np.max([box.upper for box in group.boxes], axis=0)
+    return f"{len(group.boxes)} cells within {_span(parameters, lower, upper)}"
+
+
+def _span(parameters: Sequence[str], lower: FloatArray, upper: FloatArray) -> str:
+    return ", ".join(
+        f"{interval(float(low), float(high), 4)} {name_and_unit(name)[1]}".strip()
+        for name, low, high in zip(parameters, lower, upper, strict=True)
     )
 
 
