@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch, SimulationError
 
-from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.envs.config import EnvConfig
 from surmount.envs.observations import Measures
 from surmount.envs.obstacles import Obstacle, block_positions, blocks
@@ -25,6 +25,9 @@ ACTIONS = ("speed", "fbem", "sprawl")
 
 DIVERGED_VELOCITY = 1e3
 """A generalised speed (m/s or rad/s) above this is a diverged simulation."""
+
+
+_DEGREES = 180.0 / math.pi
 
 
 class Simulation:
@@ -76,13 +79,13 @@ class Simulation:
     def _dof(self, joint: str) -> int:
         return int(self.model.joint(joint).dofadr[0])
 
-    def _servo_map(self) -> tuple[list[int], FloatArray]:
+    def _servo_map(self) -> tuple[IntArray, FloatArray]:
         """Return each servo's action and its rate at a full action."""
         actions: list[int] = []
         for index in range(self.model.nu):
             kind = self.model.actuator(index).name.split("_")[-1]
             actions.append(ACTIONS.index(kind) if kind in ACTIONS else ACTIONS.index("speed"))
-        return actions, self.model.actuator_ctrlrange[:, 1].copy()
+        return np.array(actions), self.model.actuator_ctrlrange[:, 1].copy()
 
     def advance(self, actions: FloatArray, running: BoolArray) -> BoolArray:
         """Hold actions for one decision interval.
@@ -103,41 +106,44 @@ class Simulation:
             were before.
         """
         before = self.batch.state.copy()
-        np.multiply(actions[:, self._action_of_servo], self._rate_of_servo, out=self._ctrl)
+        np.multiply(actions.take(self._action_of_servo, axis=1), self._rate_of_servo, self._ctrl)
         failed = np.zeros(running.size, dtype=np.bool_)
         try:
             self.batch.step(None if running.all() else running, self._ticks)
         except SimulationError as error:
             failed[error.ids] = True
-        # NaN fails both comparisons.
-        calm = np.abs(self._qvel).max(axis=1) < DIVERGED_VELOCITY
-        calm &= np.abs(self._qpos).max(axis=1) < math.inf
-        diverged = (failed | ~calm) & running
-        if diverged.any():
-            self.batch.state[diverged] = before[diverged]
-        return diverged
+        # NaN fails the comparisons; looking at all simulations at once is the cheap common case.
+        if not (np.abs(self._qvel).max() < DIVERGED_VELOCITY and np.isfinite(self._qpos).all()):
+            failed |= ~(np.abs(self._qvel).max(axis=1) < DIVERGED_VELOCITY)
+            failed |= ~np.isfinite(self._qpos).all(axis=1)
+        failed &= running
+        if failed.any():
+            self.batch.state[failed] = before[failed]
+        return failed
 
     def measure(self) -> Measures:
         """Return what the robots measure."""
-        qpos, qvel = self._qpos, self._qvel
-        w, x, y, z = (qpos[:, column].copy() for column in (3, 4, 5, 6))
-        # Entries of the rotation matrix: lateral axis (horizontal part), then the heights of the
-        # forward and upward axes. Contiguous operands keep the arithmetic independent of num_envs.
+        # One row per coordinate: contiguous operands keep the arithmetic fast, and independent of
+        # the number of simulations.
+        qpos = self._qpos.T.copy()
+        w, x, y, z = qpos[3:7]
+        # Entries of the rotation matrix: horizontal part of the lateral axis, and the heights of
+        # the forward and upward axes.
         lateral_x, lateral_y = 2 * (x * y - w * z), 1 - 2 * (x * x + z * z)
         forward_z, upward_z = 2 * (x * z - w * y), 1 - 2 * (x * x + y * y)
-        rim = qvel[:, self._wheels[0]].copy()
-        for wheel in self._wheels[1:]:
-            rim += qvel[:, wheel]
         left, right = self._sprawls
-        sprawl = (qpos[:, left] + qpos[:, right]) * (0.5 * 180.0 / math.pi)
+        sprawl = (qpos[left] + qpos[right]) * (0.5 * _DEGREES)
         left, right = self._fbems
-        fbem = (qpos[:, left] + qpos[:, right]) * (0.5 * 180.0 / math.pi)
+        fbem = (qpos[left] + qpos[right]) * (0.5 * _DEGREES)
+        rim = self._qvel[:, self._wheels[0]].copy()
+        for wheel in self._wheels[1:]:
+            rim += self._qvel[:, wheel]
         return Measures(
-            x_m=qpos[:, 0].copy(),
-            y_m=qpos[:, 1].copy(),
-            z_m=qpos[:, 2].copy(),
-            yaw_deg=np.arctan2(-lateral_x, lateral_y) * (180.0 / math.pi),
-            pitch_deg=np.arctan2(forward_z, upward_z) * (180.0 / math.pi),
+            x_m=qpos[0],
+            y_m=qpos[1],
+            z_m=qpos[2],
+            yaw_deg=np.arctan2(-lateral_x, lateral_y) * _DEGREES,
+            pitch_deg=np.arctan2(forward_z, upward_z) * _DEGREES,
             sprawl_deg=sprawl,
             fbem_deg=fbem,
             speed_mps=rim * (self._radius_m / len(self._wheels)),
@@ -158,7 +164,7 @@ class Simulation:
             qpos[self._position(f"{side}_fbem")] = fbem
             qpos[self._position(f"{side}_rear_rod")] = fbem
             qpos[self._position(f"{side}_carrier")] = -fbem
-        for servo, action in enumerate(self._action_of_servo):
+        for servo, action in enumerate(self._action_of_servo.tolist()):
             act[servo] = (0.0, fbem, sprawl)[action]
         positions = block_positions(self._obstacle, self._config.course, np.array([size_mm]))
         for block, mocap in enumerate(self._mocap_ids):
