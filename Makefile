@@ -15,7 +15,7 @@ demo: $(READY)  ## the whole method on one obstacle at reduced scale, with a rep
 
 test: $(READY)  ## all checks and the fast tests
 	$(MAKE) --no-print-directory check
-	$(BIN)/pytest -m "not slow"
+	$(BIN)/pytest -m "not slow" --numprocesses auto --dist loadfile
 
 test-slow: $(READY)  ## learning and soak tests, nightly
 	$(BIN)/pytest -m slow
