@@ -245,6 +245,21 @@ def test_speed_command_is_limited_to_a_quarter_metre_a_second_and_one_metre_a_se
     assert speed[5:] == pytest.approx(0.25, rel=0.05)  # tyres slip by a few per cent
 
 
+def test_tyres_roll_without_slip_when_the_robot_accelerates_within_its_friction():
+    # 1 m/s² needs a tenth of the friction. An implicit damper on too light a wheel would break
+    # this: contacts would not feel it.
+    env = ObstacleVectorEnv("low-entrance", 1, autoreset_mode=AutoresetMode.DISABLED)
+    env.reset(seed=0, options={"variant": 140, "start": "fixed"})
+    for _ in range(25):
+        env.step(np.zeros((1, 3)))  # settle
+    for step in range(45):
+        obs, _, _, _, _ = env.step([[1.0 if step < 15 else -1.0, 0.0, 0.0]])
+        rim = obs[0, 3] * 0.25
+        body = env.simulation.batch.bind("qvel")[0, 0]
+        assert body == pytest.approx(rim, abs=0.015)
+    assert rim == pytest.approx(-0.25, abs=0.06)
+
+
 def test_angle_commands_ramp_at_80_degrees_a_second_whatever_the_decision_interval():
     for interval in (0.1, 0.05, 0.02):
         config = EnvConfig(decision_interval_s=interval)

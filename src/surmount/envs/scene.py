@@ -75,7 +75,7 @@ def _add_materials(spec: mujoco.MjSpec) -> None:
     floor.texuniform = True
     floor.texrepeat = [10, 10]
     # Walls and lintel let the robot be seen through them.
-    spec.add_material(name="obstacle", rgba=[0.30, 0.50, 0.68, 0.6], specular=0.2, shininess=0.3)
+    spec.add_material(name="obstacle", rgba=[0.30, 0.50, 0.68, 0.5], specular=0.2, shininess=0.3)
     spec.add_material(name="post", rgba=[0.40, 0.43, 0.48, 1.0], specular=0.2, shininess=0.3)
     spec.add_material(name="target", rgba=[0.20, 0.62, 0.35, 1.0], specular=0.1)
 
@@ -161,7 +161,7 @@ def _add_view(spec: mujoco.MjSpec) -> None:
     base.add_camera(
         name=CAMERA,
         mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
-        pos=[-0.36, -0.56, 0.20],
-        xyaxes=[0.84, -0.54, 0.0, 0.155, 0.241, 0.958],
+        pos=[-0.36, -0.56, 0.22],
+        xyaxes=[0.84, -0.54, 0.0, 0.193, 0.300, 0.934],
         fovy=42,
     )

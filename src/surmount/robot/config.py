@@ -48,6 +48,11 @@ class RobotConfig:
 
     The servo gains let a robot of the default mass, standing in its start pose, sag by less than
     1°, and their torque limits exceed what standing and driving need at every sprawl.
+
+    Damping must stay below about half a joint's inertia per tick: MuJoCo's ``implicitfast``
+    integrates it implicitly, but computes contact forces without it, so that beyond this tyres
+    would push with forces that the wheels never feel (with 0.2 N m s/rad on 1e-4 kg m² and ticks
+    of 5 ms the robot outran its own wheels by 40 mm/s).
     """
 
     gear: Gear = "wheels"
