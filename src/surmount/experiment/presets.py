@@ -13,8 +13,8 @@ from surmount.teachers import AdvancementConfig
 SCALES = ("smoke", "paper")
 INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_000_000}
 """Learning steps of the initiation (paper III-C)."""
-SMOKE_INITIAL_STEPS = {"narrow-channel": 20_000, "low-entrance": 20_000, "step": 40_000}
-"""A small share of the paper's: enough to learn to drive, not to master the obstacle."""
+SMOKE_INITIAL_STEPS = {"narrow-channel": 50_000, "low-entrance": 50_000, "step": 80_000}
+"""About a tenth of the paper's: enough to learn to drive, not to master the obstacle."""
 
 
 def preset(obstacle: str, scale: str) -> ExperimentConfig:
@@ -41,16 +41,16 @@ def preset(obstacle: str, scale: str) -> ExperimentConfig:
             scale=scale,
             networks=2,
             initial_steps=SMOKE_INITIAL_STEPS[obstacle],
-            checkpoint_steps=10_000,
+            checkpoint_steps=20_000,
             learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
-            trials=RolloutConfig(repetitions=6),
+            trials=RolloutConfig(repetitions=8),
             analysis=AnalysisConfig(max_components=12),
             advancement=AdvancementConfig(
-                iteration_steps=20_000,
-                extension_steps=10_000,
+                iteration_steps=40_000,
+                extension_steps=20_000,
                 window_steps=5_000,
                 max_extensions=2,
             ),
-            tests=RolloutConfig(repetitions=6),
+            tests=RolloutConfig(repetitions=8),
         )
     raise ConfigError(f"Unknown preset `{scale}`.", remedy=nearest(scale, [*SCALES]))
