@@ -104,12 +104,13 @@ class RunDisplay:
         rate = (progress.done - done_then) / elapsed if elapsed > 0 else 0.0
         values = ", ".join(f"{name} {value:.3g}" for name, value in progress.values.items())
         rate_text = f"{rate:,.0f} {progress.unit}/s" if rate else ""
+        planned = progress.planned
         if stage in self._tasks:
             self._bars.update(
                 self._tasks[stage],
                 description=f"{escape(stage)} [dim]{escape(progress.label)}",
                 completed=progress.done,
-                total=max(progress.planned, progress.done),
+                total=None if planned is None else max(planned, progress.done),
                 rate=rate_text,
                 values=escape(values),
             )
@@ -117,14 +118,13 @@ class RunDisplay:
             now - self._told_at.get(stage, float("-inf")) >= PLAIN_INTERVAL_S
         ):
             self._told_at[stage] = now
-            left = f", {(progress.planned - progress.done) / rate:,.0f} s left" if rate else ""
-            self._console.print(
-                f"{stage}: {progress.label}, {progress.done:,} of {progress.planned:,} "
-                f"{progress.unit} {rate_text}{left}; {values}",
-                highlight=False,
-                markup=False,
-                soft_wrap=True,
-            )
+            count = f"{progress.done:,}" + ("" if planned is None else f" of {planned:,}")
+            parts = [progress.label, f"{count} {progress.unit}", rate_text]
+            if planned is not None and rate:
+                parts.append(f"{max(0, planned - progress.done) / rate:,.0f} s left")
+            parts.append(values)
+            line = f"{stage}: {', '.join(part for part in parts if part)}"
+            self._console.print(line, highlight=False, markup=False, soft_wrap=True)
 
     def _say(self, stage: str, sentence: str, *, quietly: bool = False) -> None:
         moment = datetime.now(UTC).isoformat(timespec="seconds")

@@ -19,8 +19,10 @@ class Progress:
     ----------
     label
         What is being done, for example ``"level 1 of 3"``.
-    done, planned
-        Units done and planned in all, as far as known.
+    done
+        Units done.
+    planned
+        Units planned in all as far as known; ``None`` where the end cannot be foreseen.
     unit
         For example ``"steps"``.
     values
@@ -29,7 +31,7 @@ class Progress:
 
     label: str
     done: int
-    planned: int
+    planned: int | None
     unit: str = "steps"
     values: Mapping[str, float] = field(default_factory=dict[str, float])
 

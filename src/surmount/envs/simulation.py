@@ -54,6 +54,7 @@ class Simulation:
     def __init__(
         self, obstacle: Obstacle, config: EnvConfig, num_envs: int, n_threads: int
     ) -> None:
+        _keep_warnings_out_of_the_working_folder()
         self.model: mujoco.MjModel = build_model(obstacle, config)
         self.batch = Batch(self.model, num_envs, min(n_threads, num_envs))
         self._obstacle = obstacle
@@ -175,3 +176,14 @@ class Simulation:
         data = self.batch.get_data(env, data)
         mujoco.mj_forward(self.model, data)
         return data
+
+
+def _keep_warnings_out_of_the_working_folder() -> None:
+    """Let MuJoCo say warnings on the console only.
+
+    By default it also appends them to a file in the working folder, where nothing of ours belongs;
+    a diverged simulation is counted and reported as part of the result.
+    """
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = False
+    log.set()

@@ -137,7 +137,7 @@ def roll_out(
     seed
         Seed of environments and actions.
     monitor
-        Shown the number of trials ended.
+        Shown the number of trials ended and of decisions taken.
 
     Raises
     ------
@@ -158,6 +158,7 @@ def roll_out(
     success = np.zeros(trials, dtype=np.bool_)
     rows: list[FloatArray] = [infos["features"].copy()]
     owners: list[IntArray] = [np.arange(trials)]
+    decisions = 0
     while active.any():
         if monitor.should_stop():
             raise Interrupted
@@ -170,8 +171,9 @@ def roll_out(
         done: BoolArray = active & (terminated | truncated)
         success[done] = infos["is_success"][done]
         active &= ~done
-        ended = trials - int(active.sum())
-        monitor.progress(Progress(label="trials", done=ended, planned=trials, unit="trials"))
+        decisions += owner.size
+        label = f"{trials - int(active.sum())} of {trials} trials ended"
+        monitor.progress(Progress(label=label, done=decisions, planned=None, unit="decisions"))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return Trials(

@@ -43,7 +43,7 @@ class AdvancementConfig:
                 f"`window_steps` ({self.window_steps}) is longer than an iteration.",
                 remedy="Let it be at most `iteration_steps` and `extension_steps`.",
             )
-        if not 0 < self.threshold:
+        if not self.threshold > 0:
             raise ConfigError(
                 f"`threshold` is {self.threshold}.", remedy="Give a positive share, such as 0.1."
             )
@@ -69,7 +69,7 @@ def gain_ratio(first_gain: float, newest_gain: float, *, gain_floor: float) -> f
 
 
 def passes(first_gain: float, newest_gain: float, *, threshold: float, gain_floor: float) -> bool:
-    """Decide eq. 5: has the reward stopped growing, compared with the level's first iteration?
+    """Decide eq. 5: whether reward has stopped growing, compared with the first iteration.
 
     Where the first iteration gained nothing there is no scale to compare with; the level then
     counts as flat, and is passed, as soon as the newest iteration gains nothing either.
