@@ -13,6 +13,7 @@ from surmount.core.configuration import override, to_record
 from surmount.core.curriculum import Curriculum
 from surmount.core.monitor import SilentMonitor
 from surmount.core.records import record_hash, write_record
+from surmount.core.run_layout import ARMS
 from surmount.core.store import Artefact
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import Episodes, RolloutOutcome, Teacher
@@ -22,7 +23,7 @@ from surmount.experiment import ExperimentConfig, preset
 from surmount.experiment.graph import StageContext, StageFunction
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.stages import analyse
-from surmount.experiment.statistics import ARMS, compare
+from surmount.experiment.statistics import compare
 from surmount.experiment.task import StageTask, execute
 from surmount.learn import History
 from surmount.teachers import LevelTeacher, UniformTeacher

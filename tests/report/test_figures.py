@@ -14,6 +14,7 @@ from scipy.cluster import hierarchy
 from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
 from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.records import read_record
+from surmount.core.run_layout import TRIALS
 from surmount.report import write_analysis_figures
 from surmount.report.contents import document_of
 from surmount.report.dendrogram_layout import layout
@@ -22,7 +23,6 @@ from surmount.report.grouping_section import grouping_section
 from surmount.report.learning_figure import running_mean
 from surmount.report.path_figure import box_of
 from surmount.report.results import read_run
-from surmount.report.run_folder import TRIALS
 
 EXACT = 1e-12
 """The same numbers, but for the order of summation."""

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from surmount.core.configuration import Record, to_record
+from surmount.core.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage, StageFunction
-from surmount.experiment.statistics import ARMS, compare
+from surmount.experiment.statistics import compare
 
 
 def protocol(config: ExperimentConfig) -> list[Stage]:
@@ -26,60 +27,58 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
     networks = range(config.networks)
     train = _part(record, "obstacle", "env", "learner", "checkpoint_steps")
     for network in networks:
-        yield _stage(
-            config,
-            f"initiation/network-{network}",
-            stages.initiate,
-            train | _part(record, "initial_steps"),
-        )
-        yield _trials_stage(config, record, "trials", network, source="initiation", key="trials")
+        initial = per_network("initiation", network)
+        yield _stage(config, initial, stages.initiate, train | _part(record, "initial_steps"))
+        yield _trials_stage(config, record["trials"], "initiation", network)
     yield _stage(
         config,
-        "analysis",
+        ANALYSIS,
         stages.analyse,
         _part(record, "analysis"),
-        trials=tuple(f"trials/network-{network}" for network in networks),
+        trials=_all_trials("initiation", config),
     )
     for network in networks:
-        initial = (f"initiation/network-{network}",)
+        initial = per_network("initiation", network)
+        curriculum, control = (per_network(arm, network) for arm in ARMS)
         yield _stage(
             config,
-            f"curriculum/network-{network}",
+            curriculum,
             stages.learn_levels,
             train | _part(record, "advancement"),
-            network=initial,
-            analysis=("analysis",),
+            network=(initial,),
+            analysis=(ANALYSIS,),
         )
         yield _stage(
             config,
-            f"control/network-{network}",
+            control,
             stages.learn_control,
             train,
-            network=initial,
-            curriculum=(f"curriculum/network-{network}",),
+            network=(initial,),
+            curriculum=(curriculum,),
         )
         for arm in ARMS:
-            yield _trials_stage(config, record, f"test-{arm}", network, source=arm, key="tests")
+            yield _trials_stage(config, record["tests"], arm, network)
     yield _stage(
         config,
-        "statistics",
+        STATISTICS,
         compare,
         {"cap_s": config.env.episode_s},
-        analysis=("analysis",),
-        initiation=tuple(f"trials/network-{network}" for network in networks),
-        **{arm: tuple(f"test-{arm}/network-{network}" for network in networks) for arm in ARMS},
+        analysis=(ANALYSIS,),
+        **{kind: _all_trials(kind, config) for kind in TRAININGS},
     )
 
 
-def _trials_stage(
-    config: ExperimentConfig, record: Record, kind: str, network: int, *, source: str, key: str
-) -> Stage:
+def _all_trials(kind: str, config: ExperimentConfig) -> tuple[str, ...]:
+    return tuple(per_network(TRIALS[kind], network) for network in range(config.networks))
+
+
+def _trials_stage(config: ExperimentConfig, trials: Record, kind: str, network: int) -> Stage:
     return _stage(
         config,
-        f"{kind}/network-{network}",
+        per_network(TRIALS[kind], network),
         stages.run_trials,
-        _part(record, "obstacle", "env") | {"trials": record[key], "network": network},
-        network=(f"{source}/network-{network}",),
+        _part(to_record(config), "obstacle", "env") | {"trials": trials, "network": network},
+        network=(per_network(kind, network),),
     )
 
 

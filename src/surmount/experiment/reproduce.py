@@ -8,17 +8,13 @@ from pathlib import Path
 from surmount.core.configuration import differences, from_record, to_record
 from surmount.core.errors import ConfigError, InputError, OutputError
 from surmount.core.records import read_record, write_record
+from surmount.core.run_layout import INDEX, RUN, SCHEMA, TIMINGS
 from surmount.core.store import Artefact, output_errors
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.executors import Executor, InProcessExecutor, Listener, ProcessExecutor
 from surmount.experiment.protocol import protocol
 from surmount.experiment.provenance import machine, versions
 from surmount.experiment.runner import GraphRunner, RunObserver, RunOutcome
-
-RUN = "run.json"
-INDEX = "index.json"
-TIMINGS = "timings.json"
-SCHEMA = 1
 
 
 def load_config(root: Path) -> ExperimentConfig:

@@ -9,6 +9,7 @@ import numpy as np
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
+from surmount.core.run_layout import ARMS
 from surmount.core.trials import Trials
 from surmount.experiment.graph import StageContext
 from surmount.experiment.stages import CURRICULUM, pooled_trials
@@ -26,8 +27,6 @@ from surmount.stats import (
 
 STATISTICS = "statistics.json"
 SCHEMA = 1
-ARMS = ("curriculum", "control")
-"""The two ways of going on from an initial network."""
 TIME = "time_s"
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""

@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.run_layout import TRAININGS
 from surmount.core.teacher import Decision, LevelTest
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.plots import annotate, compact, hover, plot
 from surmount.report.results import TrainingResult
-from surmount.report.run_folder import TRAININGS
 from surmount.report.stills import axes_grid
 from surmount.report.text import MINUS, counted, integer, number
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from surmount.core.run_layout import TRAININGS
 from surmount.core.teacher import LevelTest
 from surmount.report.document import Block, Column, Fold, Notice, Paragraph, Section, Table
 from surmount.report.learning_figure import learning_curves
 from surmount.report.palette import ARM_STYLES
 from surmount.report.results import RunResults
-from surmount.report.run_folder import TRAININGS
 from surmount.report.text import MINUS, counted, integer, number, signed
 
 FEW_TESTS = 12

@@ -12,11 +12,11 @@ from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Curriculum
+from surmount.core.run_layout import ARMS
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, translucent
 from surmount.report.plots import annotate, compact, hover, plain, plot
 from surmount.report.results import PATHS, Outcomes
-from surmount.report.run_folder import ARMS
 from surmount.report.stills import axes_grid
 from surmount.report.text import integer, name_and_unit, number, short
 

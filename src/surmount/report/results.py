@@ -16,12 +16,13 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
 from surmount.core.records import read_record
+from surmount.core.run_layout import TRAININGS, TRIALS
 from surmount.core.store import Artefact
 from surmount.core.teacher import LevelTest
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials
 from surmount.report.comparison import Comparison, comparison_of
-from surmount.report.run_folder import TRAININGS, TRIALS, Record, RunFolder, open_run
+from surmount.report.run_folder import Record, RunFolder, open_run
 
 SCHEMA = 1
 PATHS = ("sprawl_deg", "fbem_deg")

@@ -9,19 +9,8 @@ from typing import Any, cast
 
 from surmount.core.errors import InputError, IntegrityError, OutputError
 from surmount.core.records import read_record
+from surmount.core.run_layout import INDEX, RUN, SCHEMA, TIMINGS, expected_stages
 from surmount.core.store import MANIFEST, Artefact, ArtefactStore
-
-RUN = "run.json"
-INDEX = "index.json"
-TIMINGS = "timings.json"
-SCHEMA = 1
-
-ARMS = ("curriculum", "control")
-"""The two ways of going on from an initial network."""
-TRAININGS = ("initiation", *ARMS)
-"""Stages that train, one per network."""
-TRIALS = {"initiation": "trials", "curriculum": "test-curriculum", "control": "test-control"}
-"""Stages that roll out what was trained, one per network."""
 
 Record = dict[str, Any]
 
@@ -122,15 +111,8 @@ def open_run(root: Path) -> RunFolder:
         machine=_texts(run.get("machine")),
         seconds=_seconds(root / TIMINGS),
         stages=stages,
-        missing=tuple(name for name in _expected(checked["networks"]) if name not in stages),
+        missing=tuple(name for name in expected_stages(checked["networks"]) if name not in stages),
     )
-
-
-def _expected(networks: int) -> list[str]:
-    per_network = ["initiation", "trials", "curriculum", "control"]
-    per_network += [f"test-{arm}" for arm in ARMS]
-    names = [f"{kind}/network-{network}" for kind in per_network for network in range(networks)]
-    return [*names, "analysis", "statistics"]
 
 
 def _read(path: Path) -> Record:

@@ -9,12 +9,12 @@ import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.curriculum import Curriculum
+from surmount.core.run_layout import ARMS, TRAININGS
 from surmount.report.comparison import Comparison, GroupComparison, Success, VariantSuccess
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.plots import annotate, hover, plain, plot
 from surmount.report.results import Outcomes
-from surmount.report.run_folder import ARMS, TRAININGS
 from surmount.report.stills import axes_grid
 from surmount.report.text import integer, number, p_value, percent, percent_interval, short
 from surmount.stats import proportion_intervals

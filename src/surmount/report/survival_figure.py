@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.arrays import FloatArray
+from surmount.core.run_layout import ARMS
 from surmount.report.comparison import Comparison, GroupComparison
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, translucent
 from surmount.report.plots import annotate, compact, hover, plot
-from surmount.report.run_folder import ARMS
 from surmount.report.stills import axes_grid
 from surmount.report.text import number, p_value, short
 from surmount.stats import KaplanMeier

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from surmount.analysis import Analysis
+from surmount.core.run_layout import ARMS
 from surmount.report.comparison import Comparison, GroupComparison
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.palette import ARM_STYLES
 from surmount.report.path_figure import path_lengths
 from surmount.report.results import Outcomes
-from surmount.report.run_folder import ARMS
 from surmount.report.success_figure import success_by_group
 from surmount.report.survival_figure import survival_curves
 from surmount.report.text import (

@@ -7,11 +7,11 @@ import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.curriculum import Curriculum
+from surmount.core.run_layout import TRAININGS
 from surmount.report.comparison import Comparison, VariantSuccess
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, group_colour, translucent
 from surmount.report.plots import annotate, hover, plain, plot
-from surmount.report.run_folder import TRAININGS
 from surmount.report.stills import axes_grid
 from surmount.report.text import (
     axis_label,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from surmount.core.run_layout import ARMS
 from surmount.report.comparison import GroupComparison
-from surmount.report.run_folder import ARMS
 from surmount.report.text import p_value, significant
 from surmount.stats import LogRank, MethodContrast, ProportionTest
 
