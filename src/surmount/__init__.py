@@ -12,7 +12,7 @@ from surmount.core.curriculum import Box, Curriculum, Group, Level
 from surmount.core.errors import SurmountError
 from surmount.core.mixture import Mixture
 from surmount.core.tasks import TaskDistribution
-from surmount.core.trial_table import read_trials, write_trials
+from surmount.core.trial_table import read_trials, trials_from_table, write_trials
 from surmount.core.trials import Trials
 
 __all__ = [
@@ -31,5 +31,6 @@ __all__ = [
     "hellinger",
     "hellinger_matrix",
     "read_trials",
+    "trials_from_table",
     "write_trials",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 import tempfile
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -131,6 +132,40 @@ def test_unusable_files_are_refused_in_one_sentence(tmp_path: Path, name: str):
         read_trials(tmp_path / name)
     assert name in caught.value.message
     assert caught.value.remedy
+
+
+def test_a_large_table_is_read_in_little_more_than_its_features(tmp_path: Path):
+    n_rows, n_features = 400_000, 4
+    rows = np.arange(n_rows)
+    frame = pl.DataFrame(
+        {
+            "variant": (rows // 20_000).astype(float),
+            "network": rows // 10_000 % 2,
+            "trial": rows // 1_000 % 10,
+            "success": np.ones(n_rows, dtype=bool),
+            "time_s": 0.02 * (rows % 1_000),
+            **{f"x{i}": np.sqrt(rows + i) for i in range(n_features - 1)},
+        }
+    )
+    frame.write_parquet(tmp_path / "t.parquet")
+    tracemalloc.start()
+    try:
+        trials = read_trials(tmp_path / "t.parquet")
+        peak = tracemalloc.get_traced_memory()[1] / n_rows
+    finally:
+        tracemalloc.stop()
+    assert trials.n_trials == 400
+    # 8 bytes a feature remain; identities in 4 bytes each and pieces of 100,000 rows come on top,
+    # but no second table.
+    assert 8 * n_features <= peak <= 2.5 * 8 * n_features
+
+
+def test_names_of_networks_read_alike_in_every_piece_of_a_csv(tmp_path: Path):
+    n_rows = 50_000  # more than one piece; only the last row has a name that is no number
+    rows = [f"{i // 25_000},{i % 2 + 1},{i // 2},1,{i}.5" for i in range(n_rows)]
+    rows[-1] = f"1,b,{n_rows},1,0.5"
+    (tmp_path / "t.csv").write_text("variant,network,trial,success,x\n" + "\n".join(rows) + "\n")
+    assert np.unique(read_trials(tmp_path / "t.csv").network).tolist() == [0, 1, 2]
 
 
 def test_text_that_is_no_parquet_is_refused(tmp_path: Path):

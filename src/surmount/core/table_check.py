@@ -2,21 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import InputError
+from surmount.core.table_file import FileColumns
+
+CodeArray = NDArray[np.int32]
 
 _KEYS = ("network", "trial", "success")
 _LARGEST_VALUE = 1e100
 """Larger values count as infinite: their squares overflow."""
+_PIECE_ROWS = 100_000
 _SHOWN_ROWS = 5
 _SHOWN_PROBLEMS = 20
 _WORDS = {"true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coded:
+    """A column with few distinct entries, 4 bytes a row.
+
+    Attributes
+    ----------
+    distinct
+        Distinct entries, ascending; shape ``(entry,)``, or ``(entry, parameter)``.
+    code
+        Index into them of each row, shape ``(row,)``.
+    """
+
+    distinct: np.ndarray[Any, Any]
+    code: CodeArray
+
+    def paired(self, other: Coded) -> Coded:
+        """Return the distinct pairs of entries, in ascending order, as pairs of codes."""
+        factor = other.distinct.shape[0]
+        pairs = coded(
+            lambda rows: self.code[rows].astype(np.int64) * factor + other.code[rows],
+            self.code.size,
+        )
+        first, second = np.divmod(pairs.distinct, factor)
+        return Coded(distinct=np.stack([first, second], axis=1), code=pairs.code)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,21 +59,21 @@ class Table:
     parameters, feature_names
         Names of the task parameters and of the features.
     variant
-        Shape ``(row, parameter)``.
+        Distinct variants, shape ``(variant, parameter)``.
     network, trial
-        Integers, shape ``(row,)``; names are numbered in alphabetical order.
+        Distinct integers; names are numbered in alphabetical order.
     success
-        0 or 1, shape ``(row,)``.
+        Shape ``(row,)``.
     features
-        Shape ``(row, feature)``.
+        Shape ``(row, feature)``, each feature contiguous.
     """
 
     parameters: tuple[str, ...]
     feature_names: tuple[str, ...]
-    variant: FloatArray
-    network: IntArray
-    trial: IntArray
-    success: FloatArray
+    variant: Coded
+    network: Coded
+    trial: Coded
+    success: BoolArray
     features: FloatArray
 
 
@@ -89,7 +120,8 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
     problems
         Where problems are noted; the result is only to be used if there is none.
     """
-    names = [str(name) for name in getattr(table, "columns", table)]
+    keys = {str(key): key for key in getattr(table, "columns", table)}
+    names = [str(key) for key in getattr(table, "columns", table)]
     single = ["variant"] if "variant" in names else []
     several = [name for name in names if name.startswith("variant.")]
     _check_names(names, single, several, problems)
@@ -97,42 +129,89 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
     features = [name for name in names if name not in {*variant_columns, *several, *_KEYS}]
     if not features:
         problems.add("there is no feature column", "Log at least one feature per control step.")
-    lengths = {name: np.asarray(table[name]).shape for name in names}
-    if len(set(lengths.values())) > 1 or any(len(shape) != 1 for shape in lengths.values()):
+    if isinstance(table, FileColumns):
+        shapes = {(table.n_rows,)} if names else set[tuple[int, ...]]()
+    else:
+        shapes = {np.asarray(table[key]).shape for key in keys.values()}
+    if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
         problems.add("columns differ in length", "Give each column one entry per row.")
         return _empty()
-    n_rows = next(iter(lengths.values()))[0] if lengths else 0
+    n_rows = next(iter(shapes))[0] if shapes else 0
     if n_rows == 0:
         problems.add("the table has no rows", "Log at least one trial.")
         return _empty()
 
-    def numbers(name: str) -> FloatArray:
-        return _numbers(name, table[name], problems) if name in names else np.zeros(n_rows)
+    def numbers(name: str, found: Problems = problems) -> FloatArray:
+        if name not in keys:
+            return np.zeros(n_rows)
+        return _numbers(name, np.asarray(table[keys[name]]), found)
 
-    def labels(name: str) -> IntArray:
-        if name not in names:
-            return np.zeros(n_rows, dtype=np.int64)
-        return _labels(name, table[name], problems)
+    def labels(name: str, found: Problems) -> Coded:
+        if name not in keys:
+            return Coded(distinct=np.zeros(1, np.int64), code=np.zeros(n_rows, np.int32))
+        return _labels(name, np.asarray(table[keys[name]]), found)
 
     success = numbers("success")
     problems.rows(
-        np.flatnonzero(np.isfinite(success) & (success != 0.0) & (success != 1.0)),
+        _rows_where(lambda x: np.isfinite(x) & (x != 0.0) & (x != 1.0), success),
         "`success` is neither 0 nor 1",
         "Write 1 (true) for a trial that reached its goal and 0 (false) for one that did not.",
     )
-    variant = [numbers(name) for name in variant_columns] or [np.zeros(n_rows)]
-    values = np.empty((n_rows, len(features)))
+    reached = success > 0.5
+    del success
+    variant = _variants([numbers(name) for name in variant_columns] or [np.zeros(n_rows)])
+    # Identities before features, so that the space they need while being coded is free again.
+    about_labels = Problems()
+    network, trial = labels("network", about_labels), labels("trial", about_labels)
+    values = np.empty((len(features), n_rows)).T
     for index, name in enumerate(features):
         values[:, index] = numbers(name)
+    problems.found.extend(about_labels.found)
     return Table(
         parameters=tuple(name.removeprefix("variant.") for name in variant_columns),
         feature_names=tuple(features),
-        variant=np.stack(variant, axis=1),
-        network=labels("network"),
-        trial=labels("trial"),
-        success=success,
+        variant=variant,
+        network=network,
+        trial=trial,
+        success=reached,
         features=values,
     )
+
+
+def coded(entries: Callable[[slice], np.ndarray[Any, Any]], n_rows: int) -> Coded:
+    """Return a column in coded form, built from pieces of its rows."""
+    pieces = list(row_pieces(n_rows))
+    distinct = np.unique(np.concatenate([np.unique(entries(rows)) for rows in pieces]))
+    code = np.empty(n_rows, dtype=np.int32)
+    for rows in pieces:
+        code[rows] = np.searchsorted(distinct, entries(rows))
+    return Coded(distinct=distinct, code=code)
+
+
+def row_pieces(n_rows: int) -> Iterator[slice]:
+    """Divide rows into slices, so that intermediate results stay small."""
+    for start in range(0, n_rows, _PIECE_ROWS):
+        yield slice(start, min(start + _PIECE_ROWS, n_rows))
+
+
+def _variants(columns: Sequence[FloatArray]) -> Coded:
+    """Return the distinct combinations of task parameters in ascending order."""
+    first, *others = (coded(column.__getitem__, column.size) for column in columns)
+    variants = Coded(distinct=first.distinct[:, None], code=first.code)
+    for other in others:
+        pairs = variants.paired(other)
+        known, added = pairs.distinct.T
+        distinct = np.column_stack([variants.distinct[known], other.distinct[added]])
+        variants = Coded(distinct=distinct, code=pairs.code)
+    return variants
+
+
+def _rows_where(condition: Callable[[FloatArray], BoolArray], values: FloatArray) -> IntArray:
+    """Return the rows, ascending, whose values fulfil a condition."""
+    found = [
+        np.flatnonzero(condition(values[rows])) + rows.start for rows in row_pieces(values.size)
+    ]
+    return np.concatenate(found).astype(np.int64)
 
 
 def _check_names(
@@ -163,19 +242,22 @@ _COLUMN_REMEDIES = {
 }
 
 
-def _numbers(name: str, column: Any, problems: Problems) -> FloatArray:
-    array = np.asarray(column)
+def _numbers(name: str, array: np.ndarray[Any, Any], problems: Problems) -> FloatArray:
     if array.dtype.kind in "biuf":
-        values = array.astype(np.float64)
+        values = array.astype(np.float64, copy=False)
     else:
-        values = np.asarray([_number(entry) for entry in array.tolist()], dtype=np.float64)
-        bad = np.asarray([_is_word(entry) for entry in array.tolist()], dtype=np.bool_)
+        values = np.empty(array.size)
+        bad = np.zeros(array.size, dtype=np.bool_)
+        for rows in row_pieces(array.size):
+            entries = array[rows].tolist()
+            values[rows] = [_number(entry) for entry in entries]
+            bad[rows] = [_is_word(entry) for entry in entries]
         problems.rows(
             np.flatnonzero(bad), f"`{name}` is not a number", f"Write numbers in `{name}`."
         )
         values[bad] = 0.0
     problems.rows(
-        np.flatnonzero(~(np.abs(values) <= _LARGEST_VALUE)),
+        _rows_where(lambda x: ~(np.abs(x) <= _LARGEST_VALUE), values),
         f"`{name}` is missing, NaN or infinite",
         "Drop the trial, or log a finite value.",
     )
@@ -204,32 +286,43 @@ def _is_word(entry: object) -> bool:
     return False
 
 
-def _labels(name: str, column: Any, problems: Problems) -> IntArray:
-    array = np.asarray(column)
+def _labels(name: str, array: np.ndarray[Any, Any], problems: Problems) -> Coded:
+    n_rows = array.size
     if array.dtype.kind in "biu":
-        return array.astype(np.int64)
-    entries = ["" if entry is None else str(entry).strip() for entry in array.tolist()]
-    if array.dtype.kind != "f" and any(_is_word(entry) for entry in entries):
-        empty = np.flatnonzero([not entry for entry in entries])
-        problems.rows(empty, f"`{name}` is missing", f"Give each row a `{name}`.")
-        return np.unique(entries, return_inverse=True)[1].astype(np.int64)
-    values = _numbers(name, column, problems)
-    whole = np.isfinite(values) & (np.abs(values) < 2.0**53) & (values == np.floor(values))
-    problems.rows(
-        np.flatnonzero(np.isfinite(values) & ~whole),
-        f"`{name}` is not a whole number",
-        f"Number each `{name}` from 0.",
+        return coded(lambda rows: array[rows].astype(np.int64), n_rows)
+    if array.dtype.kind != "f":
+        texts: dict[str, int] = {}
+        code = np.empty(n_rows, dtype=np.int32)
+        for rows in row_pieces(n_rows):
+            entries = ("" if entry is None else str(entry).strip() for entry in array[rows])
+            code[rows] = [texts.setdefault(entry, len(texts)) for entry in entries]
+        if any(_is_word(text) for text in texts):
+            if "" in texts:
+                empty = np.flatnonzero(code == texts[""])
+                problems.rows(empty, f"`{name}` is missing", f"Give each row a `{name}`.")
+            rank = np.unique(list(texts), return_inverse=True)[1].astype(np.int32)
+            return Coded(distinct=np.arange(rank.size), code=rank[code])
+    values = _numbers(name, array, problems)
+    broken = _rows_where(lambda x: np.isfinite(x) & ~_whole(x), values)
+    problems.rows(broken, f"`{name}` is not a whole number", f"Number each `{name}` from 0.")
+    return coded(
+        lambda rows: np.where(_whole(values[rows]), values[rows], 0.0).astype(np.int64), n_rows
     )
-    return np.where(whole, values, 0.0).astype(np.int64)
+
+
+def _whole(values: FloatArray) -> BoolArray:
+    finite = np.isfinite(values) & (np.abs(values) < 2.0**53)
+    return finite & (values == np.floor(np.where(finite, values, 0.0)))
 
 
 def _empty() -> Table:
+    nothing = Coded(distinct=np.empty(0, np.int64), code=np.empty(0, np.int32))
     return Table(
         parameters=("variant",),
         feature_names=(),
-        variant=np.empty((0, 1)),
-        network=np.empty(0, dtype=np.int64),
-        trial=np.empty(0, dtype=np.int64),
-        success=np.empty(0),
+        variant=Coded(distinct=np.empty((0, 1)), code=nothing.code),
+        network=nothing,
+        trial=nothing,
+        success=np.empty(0, np.bool_),
         features=np.empty((0, 0)),
     )

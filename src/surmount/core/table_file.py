@@ -1,10 +1,10 @@
-"""Columns in Parquet and CSV files, read in pieces to bound memory."""
+"""Columns in Parquet and CSV files, read in pieces or one by one to bound memory."""
 
 from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -13,14 +13,50 @@ import numpy as np
 
 from surmount.core.errors import InputError, MissingExtraError
 
-Columns = dict[str, np.ndarray[Any, Any]]
-_PIECE_ROWS = 100_000
+Column = np.ndarray[Any, Any]
+_CSV_PIECE_ROWS = 20_000
+"""Rows parsed at once: as text they take some 60 bytes an entry."""
+_WRITE_PIECE_ROWS = 100_000
 TABLE_SCHEMA = "1"
 _SCHEMA_KEY = "surmount.trials"
+_WHOLE_KINDS = (np.int8, np.int16, np.int32)
 
 
-def read_columns(path: Path) -> Columns:
-    """Read all columns of a Parquet or CSV file.
+class FileColumns(Mapping[str, Column]):
+    """Columns of a file, each handed out once, so that never two copies of a table exist.
+
+    Parameters
+    ----------
+    names
+        Names of the columns.
+    n_rows
+        Length of each.
+    take
+        Gives a column by name and forgets it.
+    """
+
+    def __init__(self, names: Sequence[str], n_rows: int, take: Callable[[str], Column]) -> None:
+        self._names = tuple(names)
+        self.n_rows = n_rows
+        self._take = take
+
+    def __getitem__(self, name: str) -> Column:
+        """Return a column; it cannot be asked for again."""
+        return self._take(name)
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names."""
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        """Return the number of columns."""
+        return len(self._names)
+
+
+def read_columns(path: Path) -> FileColumns:
+    """Open the columns of a Parquet or CSV file.
+
+    A Parquet file is read column by column as they are asked for, a CSV file at once, in pieces.
 
     Raises
     ------
@@ -33,7 +69,7 @@ def read_columns(path: Path) -> Columns:
         return _read_parquet(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            return _join(_csv_pieces(csv.reader(file, strict=True), path))
+            return _read_csv(csv.reader(file, strict=True), path)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise _unreadable(path, error) from error
 
@@ -76,7 +112,7 @@ def _polars() -> Any:
     return pl
 
 
-def _read_parquet(path: Path) -> Columns:
+def _read_parquet(path: Path) -> FileColumns:
     polars = _polars()
     try:
         version = polars.read_parquet_metadata(path).get(_SCHEMA_KEY, TABLE_SCHEMA)
@@ -91,27 +127,35 @@ def _read_parquet(path: Path) -> Columns:
             f"{TABLE_SCHEMA}.",
             remedy="Read it with the version of Surmount that wrote it, and write CSV.",
         )
-    numeric = {name: kind.is_numeric() or kind == polars.Boolean for name, kind in types.items()}
-    columns: Columns = {
-        name: np.empty(n_rows, dtype=np.float64 if plain else object)
-        for name, plain in numeric.items()
-    }
-    for start in range(0, n_rows, _PIECE_ROWS):
-        piece = lazy.slice(start, _PIECE_ROWS).collect()
-        for name, column in columns.items():
-            values = piece[name].cast(polars.Float64) if numeric[name] else piece[name]
-            column[start : start + piece.height] = values.to_numpy()
-    return columns
+
+    def take(name: str) -> Column:
+        try:
+            series = lazy.select(polars.col(name)).collect().to_series()
+        except (OSError, polars.exceptions.PolarsError) as error:
+            raise _unreadable(path, error) from error
+        kind = types[name]
+        if kind.is_numeric() or kind == polars.Boolean:
+            return series.cast(polars.Float64).to_numpy()
+        column = np.empty(n_rows, dtype=object)
+        if kind == polars.String:
+            column[:] = _shared(series, {})
+        else:
+            column[:] = series.to_numpy()
+        return column
+
+    return FileColumns(list(types), n_rows, take)
 
 
-def _csv_pieces(rows: Iterator[list[str]], path: Path) -> Iterator[Columns]:
+def _read_csv(rows: Iterator[list[str]], path: Path) -> FileColumns:
     header = [name.strip() for name in next(rows, [])]
     if len(set(header)) < len(header):
         raise InputError(
             f"{path}: two columns have the same name.", remedy="Name each column once."
         )
+    parts: dict[str, list[Column]] = {name: [] for name in header}
+    texts: dict[str, str] = {}
     done = 0
-    while piece := list(islice(rows, _PIECE_ROWS)):
+    while piece := list(islice(rows, _CSV_PIECE_ROWS)):
         bad = [index for index, row in enumerate(piece) if len(row) != len(header)]
         if bad:
             raise InputError(
@@ -120,27 +164,34 @@ def _csv_pieces(rows: Iterator[list[str]], path: Path) -> Iterator[Columns]:
                 remedy="Give each row one entry per column, separated by commas.",
             )
         done += len(piece)
-        yield {
-            name: _typed(column)
-            for name, column in zip(header, zip(*piece, strict=True), strict=True)
-        }
-    if not done:
-        yield {name: np.empty(0) for name in header}
+        for name, entries in zip(header, zip(*piece, strict=True), strict=True):
+            parts[name].append(_typed(entries, texts))
+
+    def take(name: str) -> Column:
+        return np.concatenate(parts.pop(name) or [np.empty(0)])
+
+    return FileColumns(header, done, take)
 
 
-def _typed(entries: tuple[str, ...]) -> np.ndarray[Any, Any]:
+def _typed(entries: tuple[str, ...], texts: dict[str, str]) -> Column:
+    """Return entries as numbers where all are, in the smallest type that holds them exactly."""
     try:
-        return np.asarray(entries, dtype=np.float64)
+        values = np.asarray(entries, dtype=np.float64)
     except ValueError:
-        return np.asarray(entries, dtype=object)
+        column = np.empty(len(entries), dtype=object)
+        column[:] = _shared(entries, texts)
+        return column
+    largest = float(np.abs(values).max())  # NaN compares as false below
+    whole = largest < 2.0**31 and bool((values == np.floor(values)).all())
+    if whole and not bool(np.signbit(values[values == 0.0]).any()):
+        kind = next(kind for kind in _WHOLE_KINDS if largest <= np.iinfo(kind).max)
+        return values.astype(kind)
+    return values
 
 
-def _join(pieces: Iterator[Columns]) -> Columns:
-    parts: dict[str, list[np.ndarray[Any, Any]]] = {}
-    for piece in pieces:
-        for name, column in piece.items():
-            parts.setdefault(name, []).append(column)
-    return {name: np.concatenate(parts.pop(name)) for name in list(parts)}
+def _shared(entries: Iterable[Any], texts: dict[Any, Any]) -> list[Any]:
+    """Return the entries with equal texts as one object, which takes 8 bytes each."""
+    return [texts.setdefault(entry, entry) for entry in entries]
 
 
 def _write_csv(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> None:
@@ -148,11 +199,11 @@ def _write_csv(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
-        for start in range(0, n_rows, _PIECE_ROWS):
+        for start in range(0, n_rows, _WRITE_PIECE_ROWS):
             piece = [
-                column[start : start + _PIECE_ROWS].astype(np.int64).tolist()
+                column[start : start + _WRITE_PIECE_ROWS].astype(np.int64).tolist()
                 if column.dtype.kind == "b"
-                else column[start : start + _PIECE_ROWS].tolist()
+                else column[start : start + _WRITE_PIECE_ROWS].tolist()
                 for column in columns.values()
             ]
             writer.writerows(zip(*piece, strict=True))

@@ -7,14 +7,21 @@ other column is a feature, ``time_s`` included. Rows of one trial stand in the o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.table_check import Problems, Table, checked_columns
+from surmount.core.table_check import (
+    CodeArray,
+    Coded,
+    Problems,
+    Table,
+    checked_columns,
+    row_pieces,
+)
 from surmount.core.table_file import read_columns, write_columns
 from surmount.core.trials import Trials
 
@@ -106,69 +113,91 @@ def trials_from_table(
     problems = Problems()
     columns = checked_columns(table, problems)
     problems.raise_if_any(source)
-    order, first, trial = _trial_rows(columns)
-    _check_trials(columns, trial, first, problems)
-    _check_variants(columns, minimum_variants, minimum_samples, problems)
+    first, trial = _trial_rows(columns)
+    in_order = bool((trial[1:] >= trial[:-1]).all())
+    order = None if in_order else np.argsort(trial, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(np.bincount(trial))]).astype(np.int64)
+    _check_trials(columns, trial, first, starts, order, problems)
+    _check_variants(columns.variant, minimum_variants, minimum_samples, problems)
     problems.raise_if_any(source)
-    starts = np.append(np.flatnonzero(np.diff(trial[order], prepend=-1)), order.size)
-    in_order = bool((order == np.arange(order.size)).all())
-    features = columns.features if in_order else columns.features[order]
+    if order is not None:
+        for feature in columns.features.T:  # one by one: each makes a copy
+            feature[:] = feature[order]
     return Trials(
         parameters=columns.parameters,
         feature_names=columns.feature_names,
-        variant=columns.variant[first],
-        network=columns.network[first],
-        repetition=columns.trial[first],
-        success=columns.success[first] > 0.5,
-        starts=starts.astype(np.int64),
-        features=features,
+        variant=columns.variant.distinct[columns.variant.code[first]],
+        network=columns.network.distinct[columns.network.code[first]],
+        repetition=columns.trial.distinct[columns.trial.code[first]],
+        success=columns.success[first],
+        starts=starts,
+        features=columns.features,
     )
 
 
-def _trial_rows(columns: Table) -> tuple[IntArray, IntArray, IntArray]:
+def _trial_rows(columns: Table) -> tuple[IntArray, CodeArray]:
     """Group rows by trial.
 
     Returns
     -------
     tuple
-        Rows in the order of trials, the first row of each trial, and the trial of each row;
-        trials are numbered in the order of their first rows.
+        The first row of each trial, and the trial of each row; trials are numbered in the order
+        of their first rows.
     """
-    _, variant = np.unique(columns.variant, axis=0, return_inverse=True)
-    _, network = np.unique(columns.network, return_inverse=True)
-    _, repetition = np.unique(columns.trial, return_inverse=True)
-    variant = variant.reshape(-1)
-    key = (variant * (network.max() + 1) + network) * (repetition.max() + 1) + repetition
-    _, first, trial = np.unique(key, return_index=True, return_inverse=True)
-    rank = np.empty(first.size, dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(first.size)
-    trial = rank[trial]
-    return np.argsort(trial, kind="stable").astype(np.int64), np.sort(first), trial
+    found = columns.variant.paired(columns.network).paired(columns.trial)
+    n_rows, n_trials = found.code.size, found.distinct.shape[0]
+    first = np.full(n_trials, n_rows, dtype=np.int64)
+    for rows in row_pieces(n_rows):
+        present, place = np.unique(found.code[rows], return_index=True)
+        first[present] = np.minimum(first[present], place + rows.start)
+    rank = np.empty(n_trials, dtype=np.int32)
+    rank[np.argsort(first)] = np.arange(n_trials, dtype=np.int32)
+    return np.sort(first), rank[found.code]
 
 
-def _check_trials(columns: Table, trial: IntArray, first: IntArray, problems: Problems) -> None:
+def _check_trials(
+    columns: Table,
+    trial: CodeArray,
+    first: IntArray,
+    starts: IntArray,
+    order: IntArray | None,
+    problems: Problems,
+) -> None:
     changed = np.flatnonzero(columns.success != columns.success[first][trial])
     problems.rows(
-        changed,
+        changed.astype(np.int64),
         "`success` differs from the first row of the same trial",
         "`success` is the outcome of the whole trial: repeat it on each of its rows.",
     )
     if "time_s" not in columns.feature_names:
         return  # a robot at rest logs equal rows: without a time they are not duplicates
     time = columns.features[:, columns.feature_names.index("time_s")]
-    order = np.lexsort((np.arange(time.size), time, trial))
-    again = (np.diff(trial[order]) == 0) & (np.diff(time[order]) == 0.0)
+    again: list[IntArray] = []
+    for begin, end in _whole_trials(starts):
+        rows = np.arange(begin, end) if order is None else order[begin:end]
+        by_time = rows[np.lexsort((time[rows], trial[rows]))]
+        equal = (np.diff(trial[by_time]) == 0) & (np.diff(time[by_time]) == 0.0)
+        again.append(by_time[1:][equal])
     problems.rows(
-        np.sort(order[1:][again]),
+        np.sort(np.concatenate(again)),
         "has the same `time_s` as another row of the same trial",
         "Remove duplicate rows, or give each repetition its own number in `trial`.",
     )
 
 
+def _whole_trials(starts: IntArray) -> Iterator[tuple[int, int]]:
+    """Divide ordered rows where trials end, into as many pieces as memory asks for."""
+    for piece in row_pieces(int(starts[-1])):
+        inside = starts[(starts >= piece.start) & (starts < piece.stop)]
+        if inside.size:
+            following = starts[np.searchsorted(starts, piece.stop)]
+            yield int(inside[0]), int(following)
+
+
 def _check_variants(
-    columns: Table, minimum_variants: int, minimum_samples: int, problems: Problems
+    variant: Coded, minimum_variants: int, minimum_samples: int, problems: Problems
 ) -> None:
-    variants, counts = np.unique(columns.variant, axis=0, return_counts=True)
+    variants, counts = variant.distinct, np.bincount(variant.code)
     if variants.shape[0] < minimum_variants:
         problems.add(
             f"there is only one variant ({_text(variants[0])})"
@@ -176,10 +205,10 @@ def _check_variants(
             else f"there are only {variants.shape[0]} variants",
             f"Record trials on at least {minimum_variants} variants of the task.",
         )
-    for variant, count in zip(variants, counts, strict=True):
+    for value, count in zip(variants, counts, strict=True):
         if count < minimum_samples:
             problems.add(
-                f"variant {_text(variant)} has {count} rows, fewer than {minimum_samples}",
+                f"variant {_text(value)} has {count} rows, fewer than {minimum_samples}",
                 "Record more trials on it, or leave the variant out.",
             )
 
