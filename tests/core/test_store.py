@@ -81,7 +81,7 @@ def test_a_folder_has_one_user_at_a_time(tmp_path):
         pass
 
 
-@pytest.mark.parametrize("number", [28, 30, 13])  # ENOSPC, EROFS, EACCES
+@pytest.mark.parametrize("number", [28, 30, 13, 2])  # ENOSPC, EROFS, EACCES, ENOENT
 def test_refusals_to_write_become_a_sentence(tmp_path, number):
     with pytest.raises(OutputError) as caught, output_errors(tmp_path):
         raise OSError(number, os.strerror(number), str(tmp_path / "file"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -118,6 +120,21 @@ def test_a_killed_worker_is_reported_and_the_next_call_goes_on(tmp_path):
     assert "Run the same command again" in caught.value.remedy
     outcome, _ = run(tmp_path, stages, processes=1)
     assert read_record(outcome.artefacts["mortal"].path("n.json"))["n"] == 1
+
+
+def test_workers_that_cannot_start_are_reported_with_the_usual_cause(tmp_path):
+    script = tmp_path / "unguarded.py"
+    script.write_text(
+        "from surmount.experiment import ProcessExecutor\n"
+        "from surmount.core.errors import SurmountError\n"
+        "try:\n    ProcessExecutor(1, print)\n"
+        "except SurmountError as error:\n    print(error)\n",
+        encoding="utf-8",
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, str(script)], capture_output=True, text=True, check=False
+    )
+    assert "if __name__ == '__main__':" in done.stdout
 
 
 def test_an_input_edited_by_one_byte_stops_the_stages_that_take_it(tmp_path):

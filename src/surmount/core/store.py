@@ -177,6 +177,12 @@ _OUTPUT_ERRNOS = {
     errno.EACCES: ("may not be written", "Choose another --out folder or change its permissions."),
     errno.EPERM: ("may not be written", "Choose another --out folder or change its permissions."),
     errno.ENOTDIR: ("is not a folder", "Choose an --out path that is a folder or does not exist."),
+    errno.ENOENT: (
+        "cannot be made, or a part of it was removed meanwhile",
+        "Choose an --out folder in a place that exists, and leave it alone while it is used.",
+    ),
+    errno.ENAMETOOLONG: ("has too long a name", "Choose a shorter --out path."),
+    errno.EIO: ("is on a failing disk", "Choose an --out folder on another disk."),
     errno.EEXIST: ("is not a folder", "Choose an --out path that is a folder or does not exist."),
 }
 
@@ -190,5 +196,5 @@ def output_errors(root: Path) -> Generator[None]:
         if error.errno not in _OUTPUT_ERRNOS:
             raise
         what, remedy = _OUTPUT_ERRNOS[error.errno]
-        place = error.filename or root
-        raise OutputError(f"The output folder {root} {what} ({place}).", remedy=remedy) from error
+        place = "" if error.filename in (None, str(root)) else f" ({error.filename})"
+        raise OutputError(f"The output folder {root} {what}{place}.", remedy=remedy) from error

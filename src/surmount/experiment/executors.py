@@ -24,7 +24,7 @@ from typing import Protocol
 import torch
 from threadpoolctl import threadpool_limits
 
-from surmount.core.errors import ConfigError
+from surmount.core.errors import ConfigError, SurmountError
 from surmount.core.monitor import Progress
 from surmount.core.store import Artefact
 from surmount.experiment.task import StageTask, execute
@@ -133,8 +133,15 @@ class ProcessExecutor:
                 initargs=(self._events, self._stop, os.getpid()),
             )
             # Workers are spawned by the first tasks; each inherits the variables set here.
-            for future in [self._pool.submit(os.getpid) for _ in range(processes)]:
-                future.result()
+            try:
+                for future in [self._pool.submit(os.getpid) for _ in range(processes)]:
+                    future.result()
+            except BrokenProcessPool as error:
+                raise SurmountError(
+                    "The worker processes ended as soon as they were started.",
+                    remedy="In a script of your own, call Surmount below "
+                    "`if __name__ == '__main__':`; if memory ran out, use fewer processes.",
+                ) from error
 
     @property
     def slots(self) -> int:
