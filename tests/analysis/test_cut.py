@@ -12,7 +12,11 @@ from surmount import AnalysisConfig
 from surmount.analysis.agreement import adjusted_rand
 from surmount.analysis.cut import abruptness, cut_dendrogram, mean_silhouette, separation
 from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.features import variant_samples
+from surmount.analysis.fitting import Prepared, mixture_of
+from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.sensitivity import group_variants
+from surmount.analysis.synthetic import SyntheticFamily
 
 from .strategies import seeds
 
@@ -71,6 +75,66 @@ def test_abruptness_of_two_runs_is_the_ratio_of_the_gaps():
     apart = separation(distances)
     expected = apart[2, 3] / apart[0, 1]
     assert abruptness(dendrogram, distances)[-1] == pytest.approx(expected, rel=1e-9)
+
+
+def test_abruptness_compares_with_the_lower_quartile_of_the_tighter_side():
+    # Gaps 1, 2, 4 on the one side and 6, 6 on the other, 30 between them, without a floor.
+    positions = np.array([0.0, 1.0, 3.0, 7.0, 37.0, 43.0, 49.0])
+    distances = np.sqrt(1.0 - np.exp(-np.square((positions[:, None] - positions) / 20.0)))
+    found = abruptness(build_dendrogram(distances, "single"), distances)
+    assert found[-1] == pytest.approx(30.0 / np.quantile([1.0, 2.0, 4.0], 0.25), rel=1e-9)
+    assert sorted(found)[:4] == [0.0] * 4  # two variants, or two and one
+
+
+def test_variants_half_way_do_not_hide_an_abrupt_change():
+    plateaus = [0.3 * np.arange(8.0), 12.0 + 0.3 * np.arange(8.0)]
+    between = np.array([3.7, 5.7, 8.2, 10.4])
+    distances = from_positions(np.concatenate([plateaus[0], between, plateaus[1]]), noise=0.05)
+    found = group_variants(distances, AnalysisConfig())
+    assert found[:8].tolist() == [0] * 8
+    assert found[12:].tolist() == [1] * 8
+
+
+def groups_of(family):
+    config = AnalysisConfig(components=8, restarts=1, max_samples=2_000)
+    data = variant_samples(family.generate(), config)
+    fits = [Prepared(samples).fit(8, config, 0) for samples in data.samples]
+    mixtures = [mixture_of(fit, data.features.scaling, config, 8) for fit in fits]
+    return group_variants(hellinger_matrix(mixtures), config)
+
+
+@pytest.mark.parametrize("network_shift", [0.0, 2.0])
+def test_a_transition_of_single_trials_from_success_to_stuck_parts_its_plateaus(network_shift):
+    family = SyntheticFamily(
+        sizes=(12, 14),
+        behaviours=(0, 1),
+        separation=8.0,
+        transition=3.0,
+        network_shift=network_shift,
+        stuck=(1,),
+        trials=16,
+        seed=4,
+    )
+    known = family.labels >= 0
+    assert 2 <= np.sum(~known) <= 6  # three by the width, more where the networks differ
+    assert adjusted_rand(groups_of(family)[known], family.labels[known]) == 1.0
+
+
+def test_a_robot_stuck_on_every_variant_behaves_in_one_way():
+    family = SyntheticFamily(sizes=(15,), behaviours=(0,), stuck=(0,), trials=8, seed=4)
+    assert groups_of(family).max() == 0
+
+
+def test_trials_in_a_transition_take_either_behaviour_with_sliding_frequency():
+    family = SyntheticFamily(
+        sizes=(6, 6), behaviours=(0, 1), transition=4.0, network_shift=2.0, stuck=(1,), trials=400
+    )
+    trials = family.generate()
+    passed = np.mean(trials.lengths.reshape(12, 200, 2) == 150, axis=1)  # (variant, network)
+    # Halfway at 4.5 and 6.5, one fifth per variant; 4 standard errors of 200 trials are 0.14.
+    for network, centre in enumerate((4.5, 6.5)):
+        expected = np.clip(0.5 + (np.arange(12) - centre) / 5.0, 0.0, 1.0)
+        np.testing.assert_allclose(passed[:, network], expected, atol=0.14)
 
 
 def test_identical_recordings_do_not_make_everything_abrupt():

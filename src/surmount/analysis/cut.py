@@ -10,10 +10,14 @@ from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.dendrogram import Dendrogram
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 
-DEFAULT_CUT_OFF = {"abrupt": 1.8, "inconsistency": 2.4}
+DEFAULT_CUT_OFF = {"abrupt": 1.6, "inconsistency": 2.4}
 """Cut-offs where the configuration gives none; measured in ``docs/adr/0010-cut-rule.md``."""
 _SMALLEST_GAP = 1e-3
 """Gaps below this are no change at all: identical recordings must not make all else abrupt."""
+_QUANTILE = 0.25
+"""Quantile of the gaps inside a side that stands for the usual one."""
+_FEWEST_GAPS = 2
+"""Gaps that a side needs for a usual one: three variants."""
 _LARGEST_DISTANCE = 1.0 - 1e-9
 """Larger distances mean that nothing overlaps; how little is beyond the estimate."""
 
@@ -69,12 +73,13 @@ def cut_dendrogram(dendrogram: Dendrogram, distances: FloatArray, config: Analys
 
 
 def abruptness(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
-    """Return how many times wider the gap at each link is than the gaps at the links below it.
+    """Return how many times wider the gap at each link is than gaps inside the tighter side.
 
-    The gap at a link is the smallest :func:`separation` between a variant on its one side and a
-    variant on the other: behaviour that drifts steadily from variant to variant crosses gaps of
-    one size, and an abrupt change crosses a wide one. The mean runs over all links below, so the
-    measure does not depend on the size of the family, and hardly on the linkage.
+    A side's usual gap is the lower quartile of the gaps (:func:`link_gaps`) of the links inside
+    it. The quartile and the tighter side, because variants half-way between two behaviours join
+    one side or the other at wide gaps: these show the change, not how alike variants of one
+    behaviour are. Sides of two variants have one gap, too little to tell what is usual, and count
+    for nothing.
 
     Parameters
     ----------
@@ -86,18 +91,33 @@ def abruptness(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
     Returns
     -------
     FloatArray
-        Shape ``(link,)``; 0 for links of two variants, which have no links below.
+        Shape ``(link,)``; 0 for links with no side of three variants or more.
+    """
+    gaps = link_gaps(dendrogram, distances)
+    usual = np.full(2 * dendrogram.n_leaves - 1, np.inf)
+    result = np.zeros_like(gaps)
+    for link in range(gaps.size):
+        reference = min(usual[child] for child in dendrogram.children(link))
+        result[link] = gaps[link] / max(float(reference), _SMALLEST_GAP)
+        inside = np.append(dendrogram.links_below(link), link)
+        if inside.size >= _FEWEST_GAPS:
+            usual[dendrogram.n_leaves + link] = np.quantile(gaps[inside], _QUANTILE)
+    return result
+
+
+def link_gaps(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
+    """Return the gap at each link, shape ``(link,)``.
+
+    It is the smallest :func:`separation` between a variant on its one side and a variant on the
+    other: behaviour that drifts steadily from variant to variant crosses gaps of one size, and an
+    abrupt change crosses a wide one.
     """
     apart = separation(distances)
     gaps = np.zeros(dendrogram.links.shape[0])
-    result = np.zeros_like(gaps)
     for link in range(gaps.size):
         left, right = (dendrogram.leaves(child) for child in dendrogram.children(link))
         gaps[link] = apart[np.ix_(left, right)].min()
-        below = dendrogram.links_below(link)
-        if below.size:
-            result[link] = gaps[link] / max(float(gaps[below].mean()), _SMALLEST_GAP)
-    return result
+    return gaps
 
 
 def separation(distances: FloatArray) -> FloatArray:

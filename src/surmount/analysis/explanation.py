@@ -152,7 +152,7 @@ def _explain_distances(analysis: Analysis) -> Iterator[str]:
 
 def _explain_links(analysis: Analysis) -> Iterator[str]:
     dendrogram, cut = analysis.dendrogram, analysis.cut
-    measure = {"abrupt": "gap/below", "inconsistency": "inconsistency"}.get(cut.method, "height")
+    measure = {"abrupt": "gap/usual", "inconsistency": "inconsistency"}.get(cut.method, "height")
     yield f"Linkage: {analysis.config.linkage}. Cut: {_describe_rule(analysis)}"
     rows: list[list[str]] = []
     whole = _uncut(dendrogram, analysis)
@@ -178,8 +178,8 @@ def _describe_rule(analysis: Analysis) -> str:
     cut = analysis.cut
     if cut.method == "abrupt":
         return (
-            f"a link divides where its gap is more than {cut.cut_off:g} times the mean gap of the "
-            "links below it."
+            f"a link divides where its gap is more than {cut.cut_off:g} times the usual gap (lower "
+            "quartile) inside the tighter of its two sides."
         )
     if cut.method == "inconsistency":
         depth = analysis.config.inconsistency_depth

@@ -3,7 +3,9 @@
 A behaviour is a smooth course of three quantities over time (two joint angles and the distance to
 the target) with its own duration and noise. Variants of one group share a behaviour up to a graded
 change from the group's first variant to its last; an outlier is one variant with a behaviour of
-its own.
+its own. Between two runs there may be a transition, as trained networks show it: each trial takes
+the one behaviour or the other, with a probability that slides from variant to variant and passes
+one half elsewhere for each network. A stuck robot stops midway and sits still until its time is up.
 """
 
 from __future__ import annotations
@@ -17,6 +19,12 @@ from surmount.core.trials import Trials
 
 _SHAPES = 3
 """Terms of the smooth course of a quantity."""
+_UNSETTLED = 0.1
+"""A variant whose rarer behaviour has at least this probability belongs to no group."""
+_TIME_LIMIT = 1.5
+"""Duration of stuck trials, in units of the longest trial that is not stuck."""
+_STILLNESS = 0.05
+"""How much of its noise a stuck robot keeps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,12 +43,22 @@ class SyntheticFamily:
         How far behaviours lie apart, in units of the noise's standard deviation (about).
     grading
         How far behaviour drifts from the first to the last variant of a run, in the same units.
+    acceleration
+        How many times faster it drifts at the end of a run than at its start.
     saturated
         Whether joint angles stop at limits, as joints do, so that features stand still for long.
     unevenness
         How many times noisier the last behaviour is than the first.
+    transition
+        Variants, about, over which trials pass from the behaviour of one run to the next; 0 for
+        all at once.
+    network_shift
+        Variants between the places where the first and the second network pass.
+    stuck
+        Behaviours in which the robot stops midway and sits still until its time is up.
     trials, steps
-        Trials per variant, and control steps of the longest trial.
+        Trials per variant, by two networks in turn, and control steps of the longest trial that
+        is not stuck.
     seed
         Seed of behaviours and noise.
     """
@@ -50,16 +68,26 @@ class SyntheticFamily:
     outliers: tuple[int, ...] = ()
     separation: float = 4.0
     grading: float = 1.0
+    acceleration: float = 1.0
     saturated: bool = False
     unevenness: float = 1.0
+    transition: float = 0.0
+    network_shift: float = 0.0
+    stuck: tuple[int, ...] = ()
     trials: int = 20
     steps: int = 100
     seed: int = 0
 
     @property
     def labels(self) -> IntArray:
-        """True group of each variant, −1 for outliers; shape ``(variant,)``."""
+        """True group of each variant, shape ``(variant,)``.
+
+        −1 for outliers, and where trials of both behaviours are common (0.1 to 0.9).
+        """
         labels = np.repeat(self.behaviours, self.sizes)
+        passed = self._passed().mean(axis=0)
+        unsettled = np.minimum(passed, 1.0 - passed) >= _UNSETTLED
+        labels[unsettled.any(axis=1)] = -1
         labels[list(self.outliers)] = -1
         return labels.astype(np.int64)
 
@@ -73,21 +101,28 @@ class SyntheticFamily:
         drift *= self.grading / np.sqrt(np.square(drift).mean(axis=(1, 2), keepdims=True))
         own = self.separation * rng.standard_normal((n_variants, 3, _SHAPES))
         success_rate = np.linspace(1.0, 0.1, max(self.behaviours) + 1)
+        success_rate[list(self.stuck)] = 0.0
         noise = np.linspace(1.0, self.unevenness, max(self.behaviours) + 1)
+        passed = self._passed()
+        first = np.cumsum([0, *self.sizes])
+        places = [self._places(size) for size in self.sizes]
         parts: list[FloatArray] = []
-        lengths: list[int] = []
         success: list[bool] = []
-        variant = 0
-        for run, (size, behaviour) in enumerate(zip(self.sizes, self.behaviours, strict=True)):
-            for place in np.linspace(-0.5, 0.5, size) if size > 1 else [0.0]:
+        for variant in range(n_variants):
+            for trial in range(self.trials):
+                chances = passed[trial % 2, variant]
+                # The draw decides nothing without a transition, and is then not made.
+                draw = rng.random() if self.transition or self.network_shift else 0.5
+                run = int((draw < chances).sum())
+                behaviour = self.behaviours[run]
+                place = places[run][np.clip(variant - first[run], 0, self.sizes[run] - 1)]
                 course = courses[behaviour] + place * drift[run]
                 if variant in self.outliers:
                     course = own[variant]
-                for _ in range(self.trials):
-                    parts.append(self._trial(course, noise[behaviour], rng))
-                    lengths.append(parts[-1].shape[0])
-                    success.append(bool(rng.random() < success_rate[behaviour]))
-                variant += 1
+                stuck = behaviour in self.stuck
+                parts.append(self._trial(course, noise[behaviour], stuck, rng))
+                success.append(bool(rng.random() < success_rate[behaviour]))
+        lengths = [part.shape[0] for part in parts]
         n_trials = len(parts)
         return Trials(
             parameters=("size_mm",),
@@ -102,12 +137,36 @@ class SyntheticFamily:
             features=np.concatenate(parts),
         )
 
-    def _trial(self, course: FloatArray, loudness: float, rng: np.random.Generator) -> FloatArray:
-        n_steps = max(5, int(self.steps * rng.uniform(0.7, 1.0)))
+    def _places(self, size: int) -> FloatArray:
+        """Return how far behaviour has drifted on each variant of a run, −½ to ½."""
+        even = np.linspace(-0.5, 0.5, size) if size > 1 else np.zeros(1)
+        bend = (self.acceleration - 1.0) / (self.acceleration + 1.0)
+        return even + bend * (np.square(even) - 0.25) * (size > 1)
+
+    def _passed(self) -> FloatArray:
+        """Return how probably trials are past each boundary, ``(network, variant, boundary)``."""
+        variants = np.arange(sum(self.sizes))[:, None]
+        boundaries = np.cumsum(self.sizes)[:-1] - 0.5
+        shift = self.network_shift * np.array([-0.5, 0.5])[:, None, None]
+        passed = 0.5 + (variants - boundaries - shift) / (self.transition + 1.0)
+        return np.clip(passed, 0.0, 1.0)
+
+    def _trial(
+        self, course: FloatArray, loudness: float, stuck: bool, rng: np.random.Generator
+    ) -> FloatArray:
+        share = rng.uniform(0.7, 1.0)
+        n_steps = int(self.steps * _TIME_LIMIT) if stuck else max(5, int(self.steps * share))
         time = np.arange(n_steps) / self.steps
-        shapes = np.stack([time, np.sin(np.pi * time), np.sin(2.0 * np.pi * time)])
+        # A stuck robot gets half as far as it would in a trial of the drawn duration.
+        moved = np.minimum(time, 0.5 * share) if stuck else time
+        shapes = np.stack([moved, np.sin(np.pi * moved), np.sin(2.0 * np.pi * moved)])
         # One offset per trial, and noise along it with a memory of about ten steps.
         noise = rng.standard_normal((3, 1)) * 0.7 + 0.7 * _smooth_noise(rng, n_steps)
+        if stuck:
+            still = int(np.argmax(time >= moved[-1]))
+            noise[:, still:] = noise[:, still, None] + _STILLNESS * (
+                noise[:, still:] - noise[:, still, None]
+            )
         values = course @ shapes + loudness * noise
         if self.saturated:
             values[:2] = np.clip(values[:2], -1.0, 1.0)
