@@ -4,7 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 DEMO_OUT ?= out/demo
-DEMO_OBSTACLE ?= step
+# The obstacle that is learnt soonest.
+DEMO_OBSTACLE ?= low-entrance
 
 export OMP_NUM_THREADS ?= 1
 

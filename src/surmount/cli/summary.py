@@ -43,7 +43,7 @@ def print_summary(console: Console, root: Path) -> None:
             f"{group.name} {weight:.2f}"
             for group, weight in zip(curriculum.groups, level.weights, strict=True)
         )
-        console.print(f"level {number}, for the group {level.dominant}: {weights}")
+        console.print(f"level {number}, for {level.dominant}: {weights}", soft_wrap=True)
     if not curriculum.levels:
         console.print("no levels: every group already succeeds, so nothing was left to learn")
 
