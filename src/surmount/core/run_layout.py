@@ -5,6 +5,12 @@ The experiment writes by these names and the report reads by them; neither impor
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
+from surmount.core.errors import InputError
+from surmount.core.records import read_record
+
 SCHEMA = 1
 """Version of the records below; raised when one of them changes its form."""
 
@@ -38,3 +44,20 @@ def expected_stages(networks: int) -> list[str]:
         ANALYSIS,
         STATISTICS,
     ]
+
+
+def read_run_record(path: Path) -> dict[str, Any]:
+    """Read one of a run's JSON records.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is of another version.
+    """
+    record = read_record(path)
+    if record.get("schema") != SCHEMA:
+        raise InputError(
+            f"{path} has schema {record.get('schema')!r}; this version reads {SCHEMA}.",
+            remedy="Use the version of Surmount that wrote it.",
+        )
+    return record

@@ -15,16 +15,14 @@ from surmount.analysis import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
-from surmount.core.records import read_record
-from surmount.core.run_layout import TRAININGS, TRIALS
+from surmount.core.run_layout import TRAININGS, TRIALS, read_run_record
 from surmount.core.store import Artefact
 from surmount.core.teacher import LevelTest
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials
 from surmount.report.comparison import Comparison, comparison_of
-from surmount.report.run_folder import Record, RunFolder, open_run
+from surmount.report.run_folder import RunFolder, open_run
 
-SCHEMA = 1
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
 
@@ -131,7 +129,7 @@ def read_run(root: Path) -> RunResults:
         _require_same_curriculum(analysis, artefact)
     if "statistics" in folder.stages:
         path = folder.stages["statistics"].path("statistics.json")
-        record = _record(path)
+        record = read_run_record(path)
         with reading(path):
             comparison = comparison_of(record)
     return RunResults(
@@ -164,16 +162,6 @@ def reading(path: Path) -> Generator[None]:
         ) from error
 
 
-def _record(path: Path) -> Record:
-    record = read_record(path)
-    if record.get("schema") != SCHEMA:
-        raise InputError(
-            f"{path} has schema {record.get('schema')!r}; this version reads {SCHEMA}.",
-            remedy="Use the version of Surmount that wrote it.",
-        )
-    return record
-
-
 def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
     """Refuse a folder in which the curriculum that was learnt is not the one that was found."""
     path = artefact.path("curriculum.json")
@@ -186,7 +174,7 @@ def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
 
 def _training(artefact: Artefact) -> TrainingResult:
     path, table = artefact.path("training.json"), artefact.path("history.parquet")
-    record = _record(path)
+    record = read_run_record(path)
     with reading(table):
         history = pl.read_parquet(table)
         steps = history["steps"].to_numpy().astype(np.int64)

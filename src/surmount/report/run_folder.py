@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from surmount.core.errors import InputError, IntegrityError, OutputError
 from surmount.core.records import read_record
-from surmount.core.run_layout import INDEX, RUN, SCHEMA, TIMINGS, expected_stages
+from surmount.core.run_layout import INDEX, RUN, TIMINGS, expected_stages, read_run_record
 from surmount.core.store import MANIFEST, Artefact, ArtefactStore
 
 Record = dict[str, Any]
@@ -90,7 +90,7 @@ def open_run(root: Path) -> RunFolder:
             f"There is no run in {root}: it has no {RUN}.",
             remedy="Give the --out folder of `surmount reproduce`.",
         )
-    run = _read(root / RUN)
+    run = read_run_record(root / RUN)
     config = run.get("config")
     if not isinstance(config, dict) or not {"obstacle", "scale", "networks"} <= config.keys():
         raise InputError(
@@ -115,16 +115,6 @@ def open_run(root: Path) -> RunFolder:
     )
 
 
-def _read(path: Path) -> Record:
-    record = read_record(path)
-    if record.get("schema") != SCHEMA:
-        raise InputError(
-            f"{path} has schema {record.get('schema')!r}; this version reads {SCHEMA}.",
-            remedy="Use the version of Surmount that wrote it.",
-        )
-    return record
-
-
 def _stages(root: Path) -> dict[str, Artefact]:
     folders = _indexed(root) if (root / INDEX).is_file() else _found(root)
     store = ArtefactStore(root)
@@ -144,7 +134,7 @@ def _stages(root: Path) -> dict[str, Artefact]:
 
 
 def _indexed(root: Path) -> dict[str, Path]:
-    stages = _read(root / INDEX).get("stages")
+    stages = read_run_record(root / INDEX).get("stages")
     if not isinstance(stages, dict):
         raise InputError(
             f"{root / INDEX} names no stages.", remedy="Run the same command again to write it."
