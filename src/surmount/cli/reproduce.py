@@ -13,6 +13,7 @@ import tyro
 from rich.console import Console
 
 from surmount.cli.display import RunDisplay
+from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.summary import print_summary
 from surmount.core.configuration import override
@@ -28,8 +29,6 @@ from surmount.experiment import (
     run,
 )
 from surmount.report import write_report
-
-INTERRUPTED = 130
 
 
 def reproduce(

@@ -9,11 +9,10 @@ import tyro
 
 from surmount.analysis import Analysis
 from surmount.analysis.explanation import describe_curriculum, explain_analysis
+from surmount.analysis.result_reading import KIND
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
 from surmount.core.records import read_record
-
-ANALYSIS_KIND = "surmount analysis"
 
 
 def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:
@@ -26,7 +25,7 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
     """
     path = _resolve(file, why=why)
     record = read_record(path)
-    if record.get("kind") == ANALYSIS_KIND:
+    if record.get("kind") == KIND:
         analysis = Analysis.from_record(record, source=str(path))
         lines = explain_analysis(analysis) if why else describe_curriculum(analysis.curriculum)
     elif why:

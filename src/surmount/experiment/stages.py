@@ -22,6 +22,7 @@ from surmount.analysis import AnalysisConfig, determine_curriculum
 from surmount.core.configuration import from_record
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import read_record, write_record
+from surmount.core.run_layout import SCHEMA
 from surmount.core.store import Artefact
 from surmount.core.teacher import Teacher
 from surmount.core.trial_table import read_trials, write_trials
@@ -47,7 +48,6 @@ TRAINING = "training.json"
 TRIALS = "trials.parquet"
 ANALYSIS = "analysis.json"
 CURRICULUM = "curriculum.json"
-SCHEMA = 1
 
 
 def initiate(context: StageContext) -> None:

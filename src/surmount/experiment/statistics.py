@@ -9,7 +9,7 @@ import numpy as np
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
-from surmount.core.run_layout import ARMS
+from surmount.core.run_layout import ARMS, SCHEMA
 from surmount.core.trials import Trials
 from surmount.experiment.graph import StageContext
 from surmount.experiment.stages import CURRICULUM, pooled_trials
@@ -26,7 +26,6 @@ from surmount.stats import (
 )
 
 STATISTICS = "statistics.json"
-SCHEMA = 1
 TIME = "time_s"
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
