@@ -55,6 +55,7 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
     import tyro  # noqa: PLC0415 - an extra: its absence is told in a sentence
 
     from surmount.cli.analyze import analyze  # noqa: PLC0415
+    from surmount.cli.capability import capability  # noqa: PLC0415
     from surmount.cli.config import config  # noqa: PLC0415
     from surmount.cli.report import report  # noqa: PLC0415
     from surmount.cli.reproduce import reproduce  # noqa: PLC0415
@@ -66,6 +67,7 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
             "analyze": analyze,
             "report": report,
             "show": show,
+            "capability": capability,
             "config": config,
         },
         prog="surmount",
