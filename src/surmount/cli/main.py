@@ -57,6 +57,7 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
     from surmount.cli.analyze import analyze  # noqa: PLC0415
     from surmount.cli.capability import capability  # noqa: PLC0415
     from surmount.cli.config import config  # noqa: PLC0415
+    from surmount.cli.initiations import initiations  # noqa: PLC0415
     from surmount.cli.report import report  # noqa: PLC0415
     from surmount.cli.reproduce import reproduce  # noqa: PLC0415
     from surmount.cli.show import show  # noqa: PLC0415
@@ -68,6 +69,7 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
             "report": report,
             "show": show,
             "capability": capability,
+            "initiations": initiations,
             "config": config,
         },
         prog="surmount",

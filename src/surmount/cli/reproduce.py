@@ -71,7 +71,7 @@ def reproduce(
     with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
         executor = make_executor(processes, display.listen)
         try:
-            outcome = run(out, chosen, executor, display, on_ready=_stop_on_signals(display.note))
+            outcome = run(out, chosen, executor, display, on_ready=stop_on_signals(display.note))
         finally:
             executor.close()
     if outcome.interrupted:
@@ -101,7 +101,7 @@ def _stored(out: Path, obstacle: str | None) -> ExperimentConfig:
     return stored
 
 
-def _stop_on_signals(note: Callable[[str], None]) -> Callable[[GraphRunner], None]:
+def stop_on_signals(note: Callable[[str], None]) -> Callable[[GraphRunner], None]:
     """Let the first Ctrl-C (or SIGTERM) save and stop, and the second end at once."""
 
     def install(runner: GraphRunner) -> None:

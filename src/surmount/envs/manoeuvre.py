@@ -107,8 +107,7 @@ class Player:
     def __init__(self, manoeuvres: Sequence[Manoeuvre], decision_interval_s: float) -> None:
         longest = max(len(manoeuvre.phases) for manoeuvre in manoeuvres)
         rows = [
-            [list(asdict(phase).values()) for phase in manoeuvre.phases]
-            for manoeuvre in manoeuvres
+            [list(asdict(phase).values()) for phase in manoeuvre.phases] for manoeuvre in manoeuvres
         ]
         # Shorter manoeuvres hold their last phase.
         table = np.array([row + [row[-1]] * (longest - len(row)) for row in rows])

@@ -59,9 +59,7 @@ class SearchConfig:
                 remedy="Choose fewer than are tried.",
             )
         if not self.horizon_s > 0:
-            raise ConfigError(
-                f"`horizon_s` is {self.horizon_s}.", remedy="Give a time above zero."
-            )
+            raise ConfigError(f"`horizon_s` is {self.horizon_s}.", remedy="Give a time above zero.")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -135,9 +133,7 @@ def try_out(
         running &= ~reached & ~fell & (elapsed_s - gained_s < STALL_S)
         if not running.any():
             break
-    return Trials(
-        success=success[:count], time_s=time_s[:count], progress_m=progress_m[:count]
-    )
+    return Trials(success=success[:count], time_s=time_s[:count], progress_m=progress_m[:count])
 
 
 def _progress_m(measures: Measures) -> FloatArray:

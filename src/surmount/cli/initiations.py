@@ -1,0 +1,72 @@
+"""``surmount initiations``: success after the initiation under many settings, against table 1."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+
+from surmount.cli.display import RunDisplay
+from surmount.cli.main import INTERRUPTED
+from surmount.cli.reproduce import stop_on_signals
+from surmount.core.records import write_record
+from surmount.core.store import output_errors, sole_user
+from surmount.experiment import GraphRunner, make_executor
+from surmount.experiment.initiation_map import initiation_stages, read_settings, summarise
+from surmount.experiment.provenance import machine, versions
+from surmount.report.initiation_figure import write_initiation_figure
+
+MAP = "initiations.json"
+
+
+def initiations(
+    settings: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")],
+    *,
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    processes: int = 2,
+) -> int:
+    """Train initial networks under many settings and compare their success with table 1.
+
+    Writes initiations.json and a figure. Calling it again goes on where it stopped, and settings
+    may be added to the file meanwhile: what is finished is kept.
+
+    Args:
+        settings: TOML file with a table [common] and one [settings.NAME] per setting.
+        out: Folder for networks, trials and the map.
+        processes: Worker processes of one thread each; 0 runs everything in this process.
+    """
+    chosen = read_settings(settings)
+    graph = initiation_stages(chosen)
+    console = Console()
+    with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
+        executor = make_executor(processes, display.listen)
+        runner = GraphRunner(out, graph, executor, display)
+        stop_on_signals(display.note)(runner)
+        try:
+            with output_errors(out):
+                outcome = runner.run()
+        finally:
+            executor.close()
+        record = {
+            "kind": "initiation map",
+            "schema": 1,
+            "versions": versions(),
+            "machine": machine(),
+            "changes": {setting.name: dict(setting.changes) for setting in chosen},
+            "settings": summarise(chosen, outcome.artefacts),
+        }
+        with output_errors(out):
+            write_record(out / MAP, record)
+            write_initiation_figure(record, out)
+    for name, setting in record["settings"].items():
+        distance = setting["distance"]
+        console.print(
+            f"{name}: " + ("incomplete" if distance is None else f"{distance:.3f} from table 1"),
+            highlight=False,
+        )
+    if outcome.interrupted:
+        console.print("Stopped. Go on with the same command.")
+        return INTERRUPTED
+    return 0
