@@ -58,13 +58,15 @@ class RobotConfig:
     gear: Gear = "wheels"
     """Running gear: "wheels", "whegs" or "both"; the robot takes either or both (paper II)."""
     friction: float = 1.3
-    """Sliding friction of tyres and spokes against everything, coefficient; assumed."""
+    """Sliding friction of tyres and spokes against everything, coefficient: chosen by what the
+    mechanism can then do at all (ADR 20)."""
     body_friction: float = 0.3
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
     """Total mass in kg, the parts keeping the simulation's fractions; the simulation's sum."""
-    physics_tick_s: float = 0.005
-    """Physics time step in s; assumed, chosen for speed. The simulation ticks at 1 ms."""
+    physics_tick_s: float = 0.0025
+    """Physics time step in s: the longest at which outcomes have converged (ADR 20). The makers'
+    simulation ticks at 1 ms."""
     sprawl_stiffness_nmprad: float = 100.0
     """Sprawl servo: torque per angle error in N m/rad, each side; assumed."""
     sprawl_damping_nmsprad: float = 2.0

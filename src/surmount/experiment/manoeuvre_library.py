@@ -1,0 +1,220 @@
+"""The stored manoeuvres: one for every variant, chosen for its margins, and how they were found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+
+from surmount.core.arrays import FloatArray
+from surmount.core.errors import SurmountError
+from surmount.core.seeds import derive_seed
+from surmount.envs import EnvConfig, Obstacle, find_obstacle
+from surmount.envs.manoeuvre import Manoeuvre
+from surmount.envs.manoeuvre_search import SearchConfig, search, try_out
+from surmount.envs.simulation import Simulation
+
+CANDIDATES = 48
+"""Successful manoeuvres that are examined for each variant."""
+FRICTION_MARGIN = 0.05
+"""Relative change of friction, to either side, that a manoeuvre should bear."""
+SIZE_MARGIN_MM = 0.5
+"""How much harder an obstacle should still be overcome, in mm: half the finest spacing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """Physics and size under which manoeuvres are examined.
+
+    Attributes
+    ----------
+    name
+        What differs from the default.
+    tick_factor
+        Factor on the physics tick.
+    friction_factor
+        Factor on the friction of tyres and spokes.
+    harder_mm
+        How much harder the obstacle is.
+    """
+
+    name: str
+    tick_factor: float = 1.0
+    friction_factor: float = 1.0
+    harder_mm: float = 0.0
+
+
+CONDITIONS = (
+    Condition(name="default"),
+    Condition(name="half tick", tick_factor=0.5),
+    Condition(name="less friction", friction_factor=1 - FRICTION_MARGIN),
+    Condition(name="more friction", friction_factor=1 + FRICTION_MARGIN),
+    Condition(name="harder", harder_mm=SIZE_MARGIN_MM),
+)
+"""A stored manoeuvre succeeds under the first two; of the others it bears as many as possible."""
+REQUIRED = 2
+"""The first conditions, which a stored manoeuvre must satisfy."""
+
+
+class Examiner:
+    """Simulations of one obstacle under every condition.
+
+    Parameters
+    ----------
+    obstacle, env
+        Family and default physics.
+    """
+
+    def __init__(self, obstacle: Obstacle, env: EnvConfig) -> None:
+        self._harder = 1.0 if obstacle.name == "step" else -1.0
+        self._envs = [
+            replace(
+                env,
+                robot=replace(
+                    env.robot,
+                    physics_tick_s=env.robot.physics_tick_s * condition.tick_factor,
+                    friction=env.robot.friction * condition.friction_factor,
+                ),
+            )
+            for condition in CONDITIONS
+        ]
+        self._simulations = [Simulation(obstacle, found, CANDIDATES, 1) for found in self._envs]
+
+    def examine(
+        self, manoeuvres: Sequence[Manoeuvre], size_mm: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return success and time of every manoeuvre under every condition.
+
+        Parameters
+        ----------
+        manoeuvres
+            At most :data:`CANDIDATES`.
+        size_mm
+            The variant.
+
+        Returns
+        -------
+        tuple
+            Success (0 or 1) and time in s (NaN without success), both of shape ``(condition,
+            manoeuvre)``.
+        """
+        success, time_s = [], []
+        for condition, env, simulation in zip(
+            CONDITIONS, self._envs, self._simulations, strict=True
+        ):
+            size = np.full(len(manoeuvres), size_mm + self._harder * condition.harder_mm)
+            trials = try_out(simulation, env, size, manoeuvres, env.episode_s)
+            success.append(trials.success.astype(np.float64))
+            time_s.append(trials.time_s)
+        return np.array(success), np.array(time_s)
+
+
+def build_library(
+    obstacle_name: str, env: EnvConfig, *, seed: int, say: Callable[[str], None]
+) -> list[dict[str, Any]]:
+    """Find and choose a manoeuvre for every variant of an obstacle, from easy to hard.
+
+    Of the successes found for a variant, and of those chosen for its easier neighbours, the one is
+    taken that succeeds at the default tick and at half of it and bears most of the other
+    conditions; of equals the fastest.
+
+    Parameters
+    ----------
+    obstacle_name, env
+        Family and physics.
+    seed
+        Root of the searches' seeds.
+    say
+        Told in a sentence what each variant brought.
+
+    Returns
+    -------
+    list of dict
+        By variant: ``size_mm``, ``phases``, ``time_s`` and ``bears``, the names of the conditions
+        under which it succeeds.
+
+    Raises
+    ------
+    SurmountError
+        If no manoeuvre is found for a variant.
+    """
+    obstacle = find_obstacle(obstacle_name)
+    examiner = Examiner(obstacle, env)
+    config = SearchConfig(iterations=16)
+    simulation = Simulation(obstacle, env, config.population, 1)
+    sizes = obstacle.variants if obstacle.name == "step" else obstacle.variants[::-1]
+    known: list[Manoeuvre] = []
+    library: list[dict[str, Any]] = []
+    for size in sizes.tolist():
+        entry: dict[str, Any] | None = None
+        for attempt in range(8):
+            result = search(
+                obstacle,
+                env,
+                size,
+                config,
+                seed=derive_seed(seed, obstacle.name, f"{size:g}", attempt),
+                hints=known[:12],
+                simulation=simulation,
+            )
+            pool = list(dict.fromkeys([*result.successes, *known]))[:CANDIDATES]
+            if pool:
+                known = pool
+                better = _choose(pool, *examiner.examine(pool, size), size)
+                if better and (entry is None or len(better["bears"]) > len(entry["bears"])):
+                    entry = better
+            if entry and len(entry["bears"]) == len(CONDITIONS):
+                break
+        if entry is None:
+            raise SurmountError(
+                f"No manoeuvre was found for {obstacle.name} {size:g} mm.",
+                remedy="Raise friction or torque: this variant may not be feasible.",
+            )
+        known = [Manoeuvre.from_record(entry["phases"]), *known]
+        library.append(entry)
+        say(f"{obstacle.name} {size:g} mm: {entry['time_s']:.2f} s, bears {entry['bears']}")
+    return sorted(library, key=lambda found: found["size_mm"])
+
+
+def _choose(
+    pool: Sequence[Manoeuvre], success: FloatArray, time_s: FloatArray, size_mm: float
+) -> dict[str, Any] | None:
+    """Return the entry of the best manoeuvre of a pool, or None if none will do."""
+    fit = success[:REQUIRED].all(axis=0)
+    if not fit.any():
+        return None
+    score = np.where(fit, success.sum(axis=0) - 1e-3 * np.nan_to_num(time_s[0]), -1.0)
+    best = int(score.argmax())
+    return {
+        "size_mm": size_mm,
+        "time_s": round(float(time_s[0, best]), 6),
+        "bears": [
+            condition.name
+            for condition, passed in zip(CONDITIONS, success[:, best], strict=True)
+            if passed
+        ],
+        "phases": pool[best].to_record(),
+    }
+
+
+def build_libraries(
+    obstacles: Sequence[str],
+    env: EnvConfig,
+    *,
+    seed: int,
+    processes: int,
+    say: Callable[[str], None],
+) -> dict[str, list[dict[str, Any]]]:
+    """Return the libraries of several obstacles, each in a process of its own."""
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        futures = {
+            name: pool.submit(build_library, name, env, seed=seed, say=print) for name in obstacles
+        }
+        libraries = {name: future.result() for name, future in futures.items()}
+    for name, library in libraries.items():
+        say(f"{name}: {len(library)} manoeuvres")
+    return libraries
