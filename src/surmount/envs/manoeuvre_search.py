@@ -38,11 +38,11 @@ class SearchConfig:
 
     phases: int = 3
     """Phases of a manoeuvre."""
-    population: int = 96
+    population: int = 192
     """Manoeuvres tried in each iteration."""
-    elite: int = 12
+    elite: int = 16
     """Best manoeuvres that the next iteration is drawn around."""
-    iterations: int = 8
+    iterations: int = 10
     """Iterations at the most; the search ends with the first success."""
     horizon_s: float = 12.0
     """Time a manoeuvre is given, in s; the paper's trials take 20 s at the most."""

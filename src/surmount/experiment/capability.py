@@ -38,8 +38,9 @@ class CapabilityConfig:
 
     obstacle: str = "step"
     """Name of the obstacle."""
-    sizes_mm: tuple[float, ...] = (30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 80.0)
-    """Sizes from easy to hard, in mm; they may leave the paper's range."""
+    sizes_mm: tuple[float, ...] = (36, 42, 45, 47, 48, 49, 50, 51, 52, 54, 56, 58, 60, 65, 75)
+    """Sizes from easy to hard, in mm; they may leave the paper's range. Small steps matter: a
+    search begins with what overcame the size before, and finds more that way."""
     gears: tuple[str, ...] = ("wheels", "whegs", "both")
     """Running gears."""
     frictions: tuple[float, ...] = (0.7, 1.0, 1.3)
