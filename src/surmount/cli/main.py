@@ -58,6 +58,7 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
     from surmount.cli.capability import capability  # noqa: PLC0415
     from surmount.cli.config import config  # noqa: PLC0415
     from surmount.cli.initiations import initiations  # noqa: PLC0415
+    from surmount.cli.manoeuvres import manoeuvres  # noqa: PLC0415
     from surmount.cli.report import report  # noqa: PLC0415
     from surmount.cli.reproduce import reproduce  # noqa: PLC0415
     from surmount.cli.show import show  # noqa: PLC0415
@@ -70,6 +71,7 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
             "show": show,
             "capability": capability,
             "initiations": initiations,
+            "manoeuvres": manoeuvres,
             "config": config,
         },
         prog="surmount",

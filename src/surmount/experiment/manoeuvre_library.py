@@ -20,6 +20,8 @@ from surmount.envs.simulation import Simulation
 
 CANDIDATES = 48
 """Successful manoeuvres that are examined for each variant."""
+ATTEMPTS = 8
+"""Searches for each variant at the most; the first manoeuvre that bears everything ends them."""
 FRICTION_MARGIN = 0.05
 """Relative change of friction, to either side, that a manoeuvre should bear."""
 SIZE_MARGIN_MM = 0.5
@@ -144,14 +146,14 @@ def build_library(
     """
     obstacle = find_obstacle(obstacle_name)
     examiner = Examiner(obstacle, env)
-    config = SearchConfig(iterations=16)
+    config = SearchConfig()
     simulation = Simulation(obstacle, env, config.population, 1)
     sizes = obstacle.variants if obstacle.name == "step" else obstacle.variants[::-1]
     known: list[Manoeuvre] = []
     library: list[dict[str, Any]] = []
     for size in sizes.tolist():
         entry: dict[str, Any] | None = None
-        for attempt in range(8):
+        for attempt in range(ATTEMPTS):
             result = search(
                 obstacle,
                 env,

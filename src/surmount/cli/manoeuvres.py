@@ -1,0 +1,56 @@
+"""``surmount manoeuvres``: find and choose a scripted manoeuvre for every variant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.core.configuration import override, to_record
+from surmount.core.records import write_record
+from surmount.core.store import output_errors
+from surmount.envs import OBSTACLES, EnvConfig
+from surmount.experiment.manoeuvre_library import build_libraries
+from surmount.experiment.provenance import machine, versions
+
+
+def manoeuvres(
+    *,
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE.json")],
+    obstacles: tuple[str, ...] = tuple(OBSTACLES),
+    config: ConfigFile = None,
+    set: Assignments = (),  # noqa: A002 - the option's name
+    seed: int = 0,
+    processes: int = 2,
+) -> int:
+    """Find a manoeuvre for every variant, chosen for the margins that it bears.
+
+    The package's own manoeuvres were made by this command; with another robot's configuration it
+    shows which variants are feasible for that one.
+
+    Args:
+        out: File for the manoeuvres.
+        obstacles: Obstacles to search.
+        config: TOML or JSON file of options to change, such as robot.friction = 1.0.
+        set: Option to change, as key=value; may be repeated; overrides the file.
+        seed: Root of the searches' seeds.
+        processes: Worker processes of one thread each, one per obstacle.
+    """
+    env = override(EnvConfig(), overrides(config, set))
+    with output_errors(out.parent):
+        libraries = build_libraries(obstacles, env, seed=seed, processes=processes, say=print)
+        write_record(
+            out,
+            {
+                "kind": "manoeuvres",
+                "schema": 1,
+                "env": to_record(env),
+                "seed": seed,
+                "versions": versions(),
+                "machine": machine(),
+                "obstacles": libraries,
+            },
+        )
+    return 0
