@@ -45,15 +45,17 @@ def test_phases_end_by_position_or_by_time_whichever_is_first():
 def test_a_manoeuvre_plays_the_same_in_the_search_and_in_the_environment():
     manoeuvre = Manoeuvre(
         phases=(
-            phase(speed_mps=0.2, fbem_deg=-30.0, sprawl_deg=20.0, at_most_s=1.0),
-            phase(speed_mps=0.25, fbem_deg=50.0, sprawl_deg=75.0),
+            phase(speed_mps=0.2, fbem_deg=-30.0, sprawl_deg=20.0, until_x_m=0.0),
+            phase(speed_mps=0.25, fbem_deg=50.0, sprawl_deg=25.0),
         )
     )
     config = EnvConfig()
-    simulation = Simulation(find_obstacle("low-entrance"), config, 1, 1)
-    trials = try_out(simulation, config, np.array([70.0]), [manoeuvre], 10.0)
-    env = ObstacleVectorEnv("low-entrance", 1, config=config, autoreset_mode=AutoresetMode.DISABLED)
-    obs, _ = env.reset(seed=0, options={"variant": 70.0, "start": "fixed"})
+    simulation = Simulation(find_obstacle("narrow-channel"), config, 1, 1)
+    trials = try_out(simulation, config, np.array([250.0]), [manoeuvre], 10.0)
+    env = ObstacleVectorEnv(
+        "narrow-channel", 1, config=config, autoreset_mode=AutoresetMode.DISABLED
+    )
+    obs, _ = env.reset(seed=0, options={"variant": 250.0, "start": "fixed"})
     player = Player([manoeuvre], config.decision_interval_s)
     for step in range(500):  # noqa: B007
         obs, _, terminated, _, infos = env.step(player.act(-0.3 * obs[:, 4]))

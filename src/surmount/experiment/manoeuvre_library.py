@@ -20,7 +20,7 @@ from surmount.envs.simulation import Simulation
 
 CANDIDATES = 48
 """Successful manoeuvres that are examined for each variant."""
-ATTEMPTS = 8
+ATTEMPTS = 3
 """Searches for each variant at the most; the first manoeuvre that bears everything ends them."""
 FRICTION_MARGIN = 0.05
 """Relative change of friction, to either side, that a manoeuvre should bear."""
