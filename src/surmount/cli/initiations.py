@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
@@ -43,13 +43,13 @@ def initiations(
     with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
         executor = make_executor(processes, display.listen)
         runner = GraphRunner(out, graph, executor, display)
-        stop_on_signals(display.note)(runner)
         try:
-            with output_errors(out):
+            with stop_on_signals(display.note) as on_ready, output_errors(out):
+                on_ready(runner)
                 outcome = runner.run()
         finally:
             executor.close()
-        record = {
+        record: dict[str, Any] = {
             "kind": "initiation map",
             "schema": 1,
             "versions": versions(),

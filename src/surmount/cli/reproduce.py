@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -71,7 +72,8 @@ def reproduce(
     with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
         executor = make_executor(processes, display.listen)
         try:
-            outcome = run(out, chosen, executor, display, on_ready=stop_on_signals(display.note))
+            with stop_on_signals(display.note) as on_ready:
+                outcome = run(out, chosen, executor, display, on_ready=on_ready)
         finally:
             executor.close()
     if outcome.interrupted:
@@ -101,21 +103,30 @@ def _stored(out: Path, obstacle: str | None) -> ExperimentConfig:
     return stored
 
 
-def stop_on_signals(note: Callable[[str], None]) -> Callable[[GraphRunner], None]:
-    """Let the first Ctrl-C (or SIGTERM) save and stop, and the second end at once."""
+@contextmanager
+def stop_on_signals(
+    note: Callable[[str], None],
+) -> Generator[Callable[[GraphRunner], None]]:
+    """Let the first Ctrl-C (or SIGTERM) save and stop a runner, and the second end at once.
 
-    def install(runner: GraphRunner) -> None:
-        asked = False
+    Yields what is to be called with the runner; afterwards signals do what they did before.
+    """
+    runners: list[GraphRunner] = []
+    asked = False
 
-        def handle(_number: int, _frame: FrameType | None) -> None:
-            nonlocal asked
-            if asked:
-                os._exit(INTERRUPTED)  # workers see that their parent has gone, and end too
-            asked = True
-            note("stopping at the next checkpoint; Ctrl-C again ends at once")
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        if asked:
+            os._exit(INTERRUPTED)  # workers see that their parent has gone, and end too
+        asked = True
+        note("stopping at the next checkpoint; Ctrl-C again ends at once")
+        for runner in runners:
             runner.stop()
 
-        signal.signal(signal.SIGINT, handle)
-        signal.signal(signal.SIGTERM, handle)
-
-    return install
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, handle) for number in signals]
+    try:
+        yield runners.append
+    finally:
+        for number, previous in zip(signals, before, strict=True):
+            signal.signal(number, previous)
