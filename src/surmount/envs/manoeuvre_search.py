@@ -26,7 +26,7 @@ from surmount.robot import kinematics
 LOWER = np.array([0.05, -72.0, 0.0, -0.25, 0.2])
 UPPER = np.array([0.25, 72.0, 100.0, 0.30, 4.0])
 """Range of a phase's fields: speed in m/s, FBEM and sprawl in degrees, position in m, time in s."""
-STALL_S = 3.0
+STALL_S = 2.0
 """A trial that gains no ground for so long has failed, in s."""
 STALL_M = 0.002
 """What counts as ground gained, in m."""

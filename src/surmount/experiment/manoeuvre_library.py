@@ -18,7 +18,7 @@ from surmount.envs.manoeuvre import Manoeuvre
 from surmount.envs.manoeuvre_search import SearchConfig, search, try_out
 from surmount.envs.simulation import Simulation
 
-CANDIDATES = 48
+CANDIDATES = 16
 """Successful manoeuvres that are examined for each variant."""
 ATTEMPTS = 3
 """Searches for each variant at the most; the first manoeuvre that bears everything ends them."""
@@ -152,40 +152,40 @@ def build_library(
     known: list[Manoeuvre] = []
     library: list[dict[str, Any]] = []
     for size in sizes.tolist():
-        entry: dict[str, Any] | None = None
+        # What served easier variants may serve this one too, and costs no search.
+        entry = _choose(known, examiner, size) if known else None
         for attempt in range(ATTEMPTS):
+            if entry and len(entry["bears"]) == len(CONDITIONS):
+                break
             result = search(
                 obstacle,
                 env,
                 size,
                 config,
                 seed=derive_seed(seed, obstacle.name, f"{size:g}", attempt),
-                hints=known[:12],
+                hints=known,
                 simulation=simulation,
             )
-            pool = list(dict.fromkeys([*result.successes, *known]))[:CANDIDATES]
-            if pool:
-                known = pool
-                better = _choose(pool, *examiner.examine(pool, size), size)
-                if better and (entry is None or len(better["bears"]) > len(entry["bears"])):
-                    entry = better
-            if entry and len(entry["bears"]) == len(CONDITIONS):
-                break
+            if not result.successes:
+                continue
+            known = list(dict.fromkeys([*result.successes, *known]))[:CANDIDATES]
+            found = _choose(known, examiner, size)
+            if found and (entry is None or len(found["bears"]) > len(entry["bears"])):
+                entry = found
         if entry is None:
             raise SurmountError(
                 f"No manoeuvre was found for {obstacle.name} {size:g} mm.",
                 remedy="Raise friction or torque: this variant may not be feasible.",
             )
-        known = [Manoeuvre.from_record(entry["phases"]), *known]
+        known = list(dict.fromkeys([Manoeuvre.from_record(entry["phases"]), *known]))[:CANDIDATES]
         library.append(entry)
         say(f"{obstacle.name} {size:g} mm: {entry['time_s']:.2f} s, bears {entry['bears']}")
     return sorted(library, key=lambda found: found["size_mm"])
 
 
-def _choose(
-    pool: Sequence[Manoeuvre], success: FloatArray, time_s: FloatArray, size_mm: float
-) -> dict[str, Any] | None:
+def _choose(pool: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> dict[str, Any] | None:
     """Return the entry of the best manoeuvre of a pool, or None if none will do."""
+    success, time_s = examiner.examine(pool, size_mm)
     fit = success[:REQUIRED].all(axis=0)
     if not fit.any():
         return None
@@ -203,6 +203,11 @@ def _choose(
     }
 
 
+def _say(sentence: str) -> None:
+    """Print at once: workers' output would otherwise wait for their end."""
+    print(sentence, flush=True)
+
+
 def build_libraries(
     obstacles: Sequence[str],
     env: EnvConfig,
@@ -214,7 +219,7 @@ def build_libraries(
     """Return the libraries of several obstacles, each in a process of its own."""
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         futures = {
-            name: pool.submit(build_library, name, env, seed=seed, say=print) for name in obstacles
+            name: pool.submit(build_library, name, env, seed=seed, say=_say) for name in obstacles
         }
         libraries = {name: future.result() for name, future in futures.items()}
     for name, library in libraries.items():
