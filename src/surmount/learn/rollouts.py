@@ -15,7 +15,7 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.monitor import Interrupted, Monitor, Progress
 from surmount.core.trials import Trials
-from surmount.learn.ppo import ACTIVATIONS
+from surmount.learn.perceptron import ACTIVATIONS
 from surmount.learn.snapshot import Snapshot, policy_weights
 from surmount.learn.task_env import TaskVectorEnv
 
@@ -66,7 +66,7 @@ class Actor:
             action_space,
             lambda _: 0.0,
             net_arch=list(record["hidden_layers"]),
-            activation_fn=ACTIVATIONS[record["activation"]],
+            activation_fn=ACTIVATIONS[record["activation"]].module,
         )
         try:
             self._policy.load_state_dict(policy_weights(network.tensors))

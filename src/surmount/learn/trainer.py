@@ -12,7 +12,6 @@ import numpy as np
 import torch
 from stable_baselines3.common.logger import Logger, configure
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecNormalize
 
 from surmount.core.errors import LearningError
 from surmount.core.monitor import Interrupted, Monitor, Progress
@@ -20,6 +19,7 @@ from surmount.core.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.learn import snapshot
 from surmount.learn.config import LearnerConfig
 from surmount.learn.history import History
+from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO
 from surmount.learn.snapshot import Snapshot, Tensors
 from surmount.learn.task_env import Recorder, TaskVectorEnv
@@ -91,11 +91,11 @@ class Trainer:
         log_folder: Path | None = None,
     ) -> None:
         self._recorder = Recorder(env)
-        self._normaliser = VecNormalize(
+        self._normaliser = Normaliser(
             self._recorder,
-            norm_obs=config.normalise_observations,
-            norm_reward=config.normalise_rewards,
-            gamma=config.discount,
+            observations=config.normalise_observations,
+            rewards=config.normalise_rewards,
+            discount=config.discount,
         )
         self._teacher = teacher
         self._config = config
