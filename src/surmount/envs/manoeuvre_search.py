@@ -26,8 +26,6 @@ from surmount.robot import kinematics
 LOWER = np.array([0.05, -72.0, 0.0, -0.25, 0.2])
 UPPER = np.array([0.25, 72.0, 100.0, 0.30, 4.0])
 """Range of a phase's fields: speed in m/s, FBEM and sprawl in degrees, position in m, time in s."""
-STALL_S = 2.0
-"""A trial that gains no ground for so long has failed, in s."""
 STALL_M = 0.002
 """What counts as ground gained, in m."""
 
@@ -46,6 +44,9 @@ class SearchConfig:
     """Iterations at the most; the search ends with the first success."""
     horizon_s: float = 12.0
     """Time a manoeuvre is given, in s; the paper's trials take 20 s at the most."""
+    stall_s: float = 3.0
+    """A trial that gains no ground for so long has failed, in s. Creeping over an edge may take
+    longer, but so does a search that waits for it."""
 
     def __post_init__(self) -> None:
         for name in ("phases", "population", "elite", "iterations"):
@@ -58,8 +59,11 @@ class SearchConfig:
                 f"`elite` is {self.elite} of a population of {self.population}.",
                 remedy="Choose fewer than are tried.",
             )
-        if not self.horizon_s > 0:
-            raise ConfigError(f"`horizon_s` is {self.horizon_s}.", remedy="Give a time above zero.")
+        for name in ("horizon_s", "stall_s"):
+            if not getattr(self, name) > 0:
+                raise ConfigError(
+                    f"`{name}` is {getattr(self, name)}.", remedy="Give a time above zero."
+                )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -88,6 +92,7 @@ def try_out(
     sizes_mm: FloatArray,
     manoeuvres: Sequence[Manoeuvre],
     horizon_s: float,
+    stall_s: float | None = None,
 ) -> Trials:
     """Play manoeuvres from the fixed start, each before an obstacle of its own size.
 
@@ -103,7 +108,10 @@ def try_out(
         One per trial.
     horizon_s
         Time given, in s.
+    stall_s
+        A trial that gains no ground for so long has failed, in s; None waits to the end.
     """
+    stall_s = stall_s or horizon_s
     count = len(manoeuvres)
     start = fixed_start(config)
     for env in range(count):
@@ -130,7 +138,7 @@ def try_out(
         success |= reached
         time_s[reached] = elapsed_s
         fell = measures.z_m < -config.course.fall_depth_m
-        running &= ~reached & ~fell & (elapsed_s - gained_s < STALL_S)
+        running &= ~reached & ~fell & (elapsed_s - gained_s < stall_s)
         if not running.any():
             break
     return Trials(success=success[:count], time_s=time_s[:count], progress_m=progress_m[:count])
@@ -217,7 +225,7 @@ def search(
         population = np.clip(population, low, high)
         manoeuvres = [_manoeuvre(vector) for vector in population]
         sizes = np.full(len(manoeuvres), size_mm)
-        trials = try_out(simulation, env, sizes, manoeuvres, config.horizon_s)
+        trials = try_out(simulation, env, sizes, manoeuvres, config.horizon_s, config.stall_s)
         tried += len(manoeuvres)
         furthest = max(furthest, float(trials.progress_m.max()))
         score = np.where(trials.success, 10.0 - np.nan_to_num(trials.time_s), 0.0)

@@ -15,12 +15,15 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
+
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record, record_hash, write_record
 from surmount.core.seeds import derive_seed
 from surmount.envs import EnvConfig, find_obstacle
 from surmount.envs.manoeuvre import Manoeuvre
-from surmount.envs.manoeuvre_search import SearchConfig, search
+from surmount.envs.manoeuvre_search import SearchConfig, search, try_out
+from surmount.envs.manoeuvre_templates import templates
 from surmount.envs.simulation import Simulation
 from surmount.robot import Gear, RobotConfig
 
@@ -28,6 +31,8 @@ KIND = "capability map"
 SCHEMA = 1
 GIVE_UP_AFTER = 2
 """Sizes in a row without success after which harder ones are taken to be infeasible."""
+TEMPLATE_STALL_S = 8.0
+"""Time without any ground gained after which a hand-made manoeuvre has failed, in s."""
 HINTS = 12
 """Manoeuvres that the search for the next size begins with."""
 
@@ -109,18 +114,27 @@ def columns(config: CapabilityConfig) -> list[Column]:
 def explore(config: CapabilityConfig, column: Column) -> dict[str, Any]:
     """Search all sizes of one column and return its record.
 
-    A size counts as infeasible when no search finds a success; after two such sizes in a row the
+    Manoeuvres made by hand are tried first (how many of the 72 succeed tells how much room a size
+    leaves), then others are searched. A size counts as infeasible when none succeeds; after two such sizes in a row the
     harder ones are not searched. Infeasible means "not found": the search gives a lower bound.
     """
     obstacle = find_obstacle(config.obstacle)
     env = replace(config.env, robot=column.robot(config.env.robot))
-    simulation = Simulation(obstacle, env, config.search.population, 1)
+    ready = templates()
+    simulation = Simulation(obstacle, env, max(config.search.population, len(ready)), 1)
     hints: tuple[Manoeuvre, ...] = ()
     cells: list[dict[str, Any]] = []
     missed = 0
     for size in config.sizes_mm:
-        tried, progress_m, found = 0, -1.0, None
+        first = try_out(
+            simulation, env, np.full(len(ready), size), ready, env.episode_s, TEMPLATE_STALL_S
+        )
+        passed = np.flatnonzero(first.success)
+        tried, progress_m = len(ready), float(first.progress_m.max())
+        found = ready[passed[first.time_s[passed].argmin()]] if passed.size else None
         for repetition in range(config.repetitions):
+            if found is not None:
+                break
             name = f"{column}/{size}/{repetition}"
             result = search(
                 obstacle,
@@ -140,6 +154,7 @@ def explore(config: CapabilityConfig, column: Column) -> dict[str, Any]:
             {
                 "size_mm": size,
                 "feasible": found is not None,
+                "templates": int(passed.size),
                 "tried": tried,
                 "progress_m": progress_m,
                 "manoeuvre": None if found is None else found.to_record(),

@@ -16,10 +16,13 @@ from surmount.core.seeds import derive_seed
 from surmount.envs import EnvConfig, Obstacle, find_obstacle
 from surmount.envs.manoeuvre import Manoeuvre
 from surmount.envs.manoeuvre_search import SearchConfig, search, try_out
+from surmount.envs.manoeuvre_templates import templates
 from surmount.envs.simulation import Simulation
 
 CANDIDATES = 16
 """Successful manoeuvres that are examined for each variant."""
+STALL_S = 8.0
+"""Time without any ground gained after which an examined manoeuvre has failed, in s."""
 ATTEMPTS = 3
 """Searches for each variant at the most; the first manoeuvre that bears everything ends them."""
 FRICTION_MARGIN = 0.05
@@ -109,7 +112,7 @@ class Examiner:
             CONDITIONS, self._envs, self._simulations, strict=True
         ):
             size = np.full(len(manoeuvres), size_mm + self._harder * condition.harder_mm)
-            trials = try_out(simulation, env, size, manoeuvres, env.episode_s)
+            trials = try_out(simulation, env, size, manoeuvres, env.episode_s, STALL_S)
             success.append(trials.success.astype(np.float64))
             time_s.append(trials.time_s)
         return np.array(success), np.array(time_s)
@@ -149,11 +152,11 @@ def build_library(
     config = SearchConfig()
     simulation = Simulation(obstacle, env, config.population, 1)
     sizes = obstacle.variants if obstacle.name == "step" else obstacle.variants[::-1]
-    known: list[Manoeuvre] = []
+    known = _promising(examiner, float(sizes[-1]))
     library: list[dict[str, Any]] = []
     for size in sizes.tolist():
         # What served easier variants may serve this one too, and costs no search.
-        entry = _choose(known, examiner, size) if known else None
+        entry = _choose(known, examiner, size)
         for attempt in range(ATTEMPTS):
             if entry and len(entry["bears"]) == len(CONDITIONS):
                 break
@@ -181,6 +184,15 @@ def build_library(
         library.append(entry)
         say(f"{obstacle.name} {size:g} mm: {entry['time_s']:.2f} s, bears {entry['bears']}")
     return sorted(library, key=lambda found: found["size_mm"])
+
+
+def _promising(examiner: Examiner, hardest_mm: float) -> list[Manoeuvre]:
+    """Return the hand-made manoeuvres that bear most conditions on the hardest variant."""
+    ready = templates()
+    parts = [ready[begin : begin + CANDIDATES] for begin in range(0, len(ready), CANDIDATES)]
+    borne = np.concatenate([examiner.examine(part, hardest_mm)[0].sum(axis=0) for part in parts])
+    order = np.argsort(-borne, kind="stable")[:CANDIDATES]
+    return [ready[index] for index in order.tolist()]
 
 
 def _choose(pool: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> dict[str, Any] | None:
