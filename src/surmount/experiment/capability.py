@@ -114,9 +114,10 @@ def columns(config: CapabilityConfig) -> list[Column]:
 def explore(config: CapabilityConfig, column: Column) -> dict[str, Any]:
     """Search all sizes of one column and return its record.
 
-    Manoeuvres made by hand are tried first (how many of the 72 succeed tells how much room a size
-    leaves), then others are searched. A size counts as infeasible when none succeeds; after two such sizes in a row the
-    harder ones are not searched. Infeasible means "not found": the search gives a lower bound.
+    Manoeuvres made by hand are tried first: how many of the 72 succeed tells how much room a size
+    leaves. Then others are searched. A size counts as infeasible when none succeeds; after two such
+    sizes in a row the harder ones are not searched. Infeasible means "not found": the search gives
+    a lower bound.
     """
     obstacle = find_obstacle(config.obstacle)
     env = replace(config.env, robot=column.robot(config.env.robot))
