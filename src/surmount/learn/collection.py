@@ -46,6 +46,7 @@ class Collection:
         rows = buffer.n_envs
         # PyTorch aligns its memory always alike; sums in the products may depend on that.
         self._inputs = torch.empty(rows, int(np.prod(buffer.obs_shape)))
+        self._entries = self._inputs.numpy()
         self._noise = torch.empty(buffer.buffer_size, rows, buffer.action_dim)
         self._step = 0
         self._cut_short: list[tuple[int, int]] = []
@@ -54,9 +55,8 @@ class Collection:
     def act(self, observations: np.ndarray) -> np.ndarray:
         """Draw actions, shape ``(env, action)``, within the action space."""
         noise = self._noise[self._step].normal_()
-        self._inputs.copy_(torch.from_numpy(observations).reshape(self._inputs.shape))
-        with torch.inference_mode():
-            drawn = torch.addcmul(self._actor(self._inputs), self._std, noise).numpy()
+        self._entries[:] = observations.reshape(self._entries.shape)
+        drawn = torch.addcmul(self._actor(self._inputs), self._std, noise).numpy()
         self._buffer.observations[self._step] = observations
         self._buffer.actions[self._step] = drawn
         return np.minimum(np.maximum(drawn, self._low), self._high)
@@ -120,6 +120,5 @@ class Collection:
     def _value(self, observations: np.ndarray) -> np.ndarray:
         """Return the values of observations, shape ``(row,)``."""
         rows = torch.from_numpy(observations).float().reshape(-1, self._inputs.shape[1])
-        with torch.inference_mode():
-            parts = [self._critic(part.clone()) for part in rows.split(VALUED_AT_ONCE)]
-            return torch.cat(parts).flatten().numpy()
+        parts = [self._critic(part.clone()) for part in rows.split(VALUED_AT_ONCE)]
+        return torch.cat(parts).flatten().numpy()

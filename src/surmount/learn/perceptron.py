@@ -75,10 +75,13 @@ class Perceptron:
         It holds the weights transposed, as the products over few rows want them; the weights may
         change afterwards without its noticing.
         """
-        with torch.no_grad():
-            *hidden, last = [
-                (layer.bias.clone(), layer.weight.t().contiguous()) for layer in self._layers
-            ]
+        *hidden, last = [
+            (
+                layer.bias.detach().clone(),
+                layer.weight.detach().t().clone(memory_format=torch.contiguous_format),
+            )
+            for layer in self._layers
+        ]
         in_place = self._activation.in_place
 
         def outputs(inputs: torch.Tensor) -> torch.Tensor:
