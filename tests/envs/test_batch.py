@@ -1,4 +1,5 @@
 import json
+import os
 
 import gymnasium
 import mujoco
@@ -10,6 +11,7 @@ from scipy import stats
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.tasks import TaskDistribution
 from surmount.envs import OBSTACLES, EnvConfig, ObstacleEnv, ObstacleVectorEnv
+from surmount.envs.infos import INFO_KEYS
 from surmount.robot import RobotConfig
 
 NAMES = tuple(OBSTACLES)
@@ -179,10 +181,13 @@ def test_same_step_autoreset_hands_over_the_last_values_of_the_old_episode():
     assert truncated.all()
     np.testing.assert_array_equal(np.stack(list(infos["final_obs"])), last)
     assert infos["_final_obs"].all()
-    for key in ("features", "variant", "is_success", "diverged"):
+    for key in INFO_KEYS:
         np.testing.assert_array_equal(infos["final_info"][key], last_infos[key])
+        assert infos["final_info"][f"_{key}"].all()
     assert infos["features"][:, 0].tolist() == [0, 0, 0]
     assert last_infos["features"][:, 0] == pytest.approx([0.3, 0.3, 0.3])
+    assert infos["sprawl_path_deg"].tolist() == [0, 0, 0]
+    assert (last_infos["sprawl_path_deg"] > 0).all()
     assert not np.array_equal(obs, first)
 
 
@@ -387,4 +392,39 @@ def test_registered_vector_environments_declare_mode_spaces_and_tasks(obstacle):
     assert env.observation_space.contains(obs)
     assert infos["features"].shape == (9, 4)
     assert infos["variant"].shape == (9, 1)
+    for key in INFO_KEYS:
+        assert infos[key].shape[0] == 9
+        assert infos[f"_{key}"].all()
+    assert infos.keys() == {*INFO_KEYS, *(f"_{key}" for key in INFO_KEYS)}
     env.close()
+
+
+@pytest.mark.parametrize("mode", ["sync", "async"])
+def test_a_task_distribution_pushed_to_gymnasiums_vector_environments_holds_across_autoresets(mode):
+    env = gymnasium.make_vec(
+        "surmount/Step-v0", num_envs=2, vectorization_mode=mode, config=EnvConfig(episode_s=0.02)
+    )
+    env.reset(seed=0)
+    edge = TaskDistribution.uniform(("height_mm",), np.array([40.0]), np.array([50.0]))
+    env.call("set_task_distribution", edge)
+    env.step(env.action_space.sample())  # ends episodes that were drawn before
+    sizes = []
+    for _ in range(60):  # each episode takes one step, and one in which it begins anew
+        _, _, _, truncated, infos = env.step(env.action_space.sample())
+        sizes.append(infos["variant"][~truncated, 0])
+    env.close()
+    sizes = np.concatenate(sizes)
+    assert sizes.size > 50
+    assert stats.kstest(sizes, stats.uniform(40.0, 10.0).cdf).pvalue > 0.001
+
+
+def test_threads_are_chosen_by_environments_and_processors_unless_they_are_given():
+    processors = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    )
+    for num_envs, most in ((1, 1), (7, 1), (8, 2), (400, 100)):
+        env = ObstacleVectorEnv("step", num_envs)
+        assert env.simulation.batch.nthread == min(most, processors)
+    assert ObstacleVectorEnv("step", 3, n_threads=2).simulation.batch.nthread == 2
+    with pytest.raises(ConfigError, match="n_threads"):
+        ObstacleVectorEnv("step", 3, n_threads=0)

@@ -6,6 +6,7 @@ import pytest
 from surmount.core import configuration
 from surmount.core.errors import ConfigError
 from surmount.envs import config as envs_config
+from surmount.envs import randomisation
 from surmount.envs.config import CourseConfig, EnvConfig, RewardConfig, StartConfig
 from surmount.robot import RobotConfig
 from surmount.robot import config as robot_config
@@ -49,7 +50,7 @@ def test_every_field_can_be_read_from_dotted_keys_and_goes_to_json_and_back():
     assert configuration.from_record(EnvConfig, configuration.to_record(config)) == config
 
 
-@pytest.mark.parametrize("module", [envs_config, robot_config])
+@pytest.mark.parametrize("module", [envs_config, randomisation, robot_config])
 def test_every_configuration_field_says_what_it_is_and_where_it_comes_from(module):
     for node in ast.walk(ast.parse(inspect.getsource(module))):
         if not isinstance(node, ast.ClassDef):

@@ -9,6 +9,7 @@ from gymnasium.envs.registration import register, registry
 from surmount.envs.batch import ObstacleVectorEnv
 from surmount.envs.config import CourseConfig, EnvConfig, RewardConfig, StartConfig
 from surmount.envs.obstacles import OBSTACLES, Obstacle, find_obstacle
+from surmount.envs.randomisation import RandomisationConfig
 from surmount.envs.single import ObstacleEnv
 
 for _obstacle in OBSTACLES.values():
@@ -27,6 +28,7 @@ __all__ = [
     "Obstacle",
     "ObstacleEnv",
     "ObstacleVectorEnv",
+    "RandomisationConfig",
     "RewardConfig",
     "StartConfig",
     "find_obstacle",

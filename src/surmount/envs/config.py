@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from surmount.core.errors import ConfigError
+from surmount.envs.randomisation import RandomisationConfig
 from surmount.robot import constants as c
 from surmount.robot.config import RobotConfig, require_choice, require_range
 
@@ -151,6 +152,8 @@ class EnvConfig:
     """Distribution of the starts of training episodes."""
     reward: RewardConfig = field(default_factory=RewardConfig)
     """The reward's weights and units."""
+    randomisation: RandomisationConfig = field(default_factory=RandomisationConfig)
+    """Randomised dynamics, sensor noise and late actions; off."""
     decision_interval_s: float = 0.02
     """Time between decisions in s, during which the action is re-applied at every physics tick;
     assumed. In probes of a quarter of a million steps 20 ms left a slope from variants that always

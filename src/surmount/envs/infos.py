@@ -7,9 +7,44 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray
+from surmount.envs.episodes import Episodes
+from surmount.envs.measures import Measures, features
 from surmount.envs.observations import Observations
 
 Infos = dict[str, Any]
+
+INFO_KEYS = {
+    "features": "`time_s`, `sprawl_deg`, `fbem_deg`, `distance_m`: the logged features (paper "
+    "II-A), the distance from the base to the middle of the target line",
+    "variant": "size of the episode's obstacle in mm",
+    "is_success": "whether the base has passed the target line",
+    "diverged": "whether the physics diverged, which ends the episode",
+    "completion_time_s": "time to the target in s; the cap as long as it is not reached (paper "
+    "III-D)",
+    "sprawl_path_deg": "path length of the sprawl angle so far, Σ\\|Δ\\| in degrees (paper III-D)",
+    "fbem_path_deg": "path length of the FBEM angle so far, Σ\\|Δ\\| in degrees (paper III-D)",
+}
+"""What the infos of every reset and step hold, and what each entry means."""
+
+
+def step_infos(measures: Measures, episodes: Episodes, target_m: float) -> Infos:
+    """Return the infos of all environments, without masks, one row per environment."""
+    time_s = episodes.time_s
+    fbem_deg, sprawl_deg = episodes.path_deg.copy()
+    return {
+        "features": features(measures, time_s, target_m),
+        "variant": episodes.variant.copy(),
+        "is_success": episodes.success.copy(),
+        "diverged": episodes.diverged.copy(),
+        "completion_time_s": episodes.completion_time_s(time_s),
+        "sprawl_path_deg": sprawl_deg,
+        "fbem_path_deg": fbem_deg,
+    }
+
+
+def with_masks(infos: Infos, everywhere: BoolArray) -> Infos:
+    """Return infos with the mask ``everywhere`` for each key."""
+    return infos | {f"_{key}": everywhere for key in infos}
 
 
 def final_infos(observation: Observations, infos: Infos, ended: BoolArray) -> Infos:
@@ -19,10 +54,9 @@ def final_infos(observation: Observations, infos: Infos, ended: BoolArray) -> In
         final_obs[env] = observation[env].copy()
     final_info: Infos = {}
     for key, value in infos.items():
-        if not key.startswith("_"):
-            shown = np.zeros_like(value)
-            shown[ended] = value[ended]
-            final_info[key], final_info[f"_{key}"] = shown, ended.copy()
+        shown = np.zeros_like(value)
+        shown[ended] = value[ended]
+        final_info[key], final_info[f"_{key}"] = shown, ended.copy()
     return {
         "final_obs": final_obs,
         "_final_obs": ended.copy(),

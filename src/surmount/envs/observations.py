@@ -1,4 +1,4 @@
-"""What the robot measures, and how a policy sees it."""
+"""How a policy sees what is measured."""
 
 from __future__ import annotations
 
@@ -8,107 +8,155 @@ import numpy as np
 import numpy.typing as npt
 
 from surmount.core.arrays import FloatArray
+from surmount.envs.measures import MEASURES, Measures
 from surmount.envs.obstacles import Obstacle
 from surmount.robot import constants as c
 
 Observations = npt.NDArray[np.float32]
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Measures:
-    """Measured state of every simulation, each field of shape ``(env,)``.
-
-    Angles are *measured* joint angles (mean of both sides), as encoders report them, not the
-    servos' targets: observations, logged features and the reward's Δ all use these.
-
-    Attributes
-    ----------
-    x_m, y_m, z_m
-        Position of the base: along the course from the obstacle's front face, to the left, up.
-    yaw_deg
-        Heading of the base's lateral axis, in (−180, 180], left positive; unaffected by pitch.
-    pitch_deg
-        Tilt of the base about its lateral axis, in (−180, 180], nose up positive.
-    sprawl_deg, fbem_deg
-        Joint angles.
-    speed_mps
-        Tangential speed: mean rim speed of the driven wheels.
-    """
-
-    x_m: FloatArray
-    y_m: FloatArray
-    z_m: FloatArray
-    yaw_deg: FloatArray
-    pitch_deg: FloatArray
-    sprawl_deg: FloatArray
-    fbem_deg: FloatArray
-    speed_mps: FloatArray
+SIZE = "size_mm"
+"""The one source of a term that is not a measure: the obstacle's size."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObservationTerm:
-    """One entry of the observation: ``(value − centre) / scale``, clipped to ± ``bound``."""
+    """One entry of the observation: ``(value − centre) / scale``, clipped to ± ``bound``.
+
+    Attributes
+    ----------
+    name, symbol, unit, meaning
+        What it is. S is the symbol of the paper's eq. 6, the others are this project's.
+    source, sign
+        The value is ``sign`` times this measure, or the obstacle's size.
+    centre, scale, bound
+        In the unit; the bound is a multiple of the scale.
+    """
 
     name: str
+    symbol: str
     unit: str
-    centre: float
+    meaning: str
+    source: str
+    sign: float = 1.0
+    centre: float = 0.0
     scale: float
-    bound: float
+    bound: float = 2.0
 
 
 def observation_terms(obstacle: Obstacle) -> tuple[ObservationTerm, ...]:
     """Return the entries of the observation in order (paper III-B)."""
-    yaw = ObservationTerm(name="yaw", unit="deg", centre=0.0, scale=90.0, bound=2.0)
-    pitch = ObservationTerm(name="pitch", unit="deg", centre=0.0, scale=90.0, bound=2.0)
-    middle, half = (obstacle.upper + obstacle.lower) / 2, (obstacle.upper - obstacle.lower) / 2
+    yaw = ObservationTerm(
+        name="yaw",
+        symbol="ψ",
+        unit="deg",
+        meaning="heading, left positive",
+        source="yaw_deg",
+        scale=90.0,
+    )
+    pitch = ObservationTerm(
+        name="pitch",
+        symbol="θ",
+        unit="deg",
+        meaning="tilt, nose up positive",
+        source="pitch_deg",
+        scale=90.0,
+    )
+    what = obstacle.parameter.removesuffix("_mm")
     return (
         yaw,
         *((pitch,) if obstacle.observes_pitch else ()),
-        ObservationTerm(name="fbem", unit="deg", centre=0.0, scale=c.FBEM_MAX_DEG, bound=2.0),
-        ObservationTerm(name="sprawl", unit="deg", centre=90.0, scale=90.0, bound=2.0),
-        ObservationTerm(name="speed", unit="m/s", centre=0.0, scale=c.SPEED_MAX_MPS, bound=2.0),
-        ObservationTerm(name="distance to obstacle", unit="m", centre=0.0, scale=0.3, bound=4.0),
-        ObservationTerm(name="size", unit="mm", centre=middle, scale=half, bound=2.0),
+        ObservationTerm(
+            name="fbem",
+            symbol="f",
+            unit="deg",
+            meaning="FBEM angle, measured; positive: body forward",
+            source="fbem_deg",
+            scale=c.FBEM_MAX_DEG,
+        ),
+        ObservationTerm(
+            name="sprawl",
+            symbol="s",
+            unit="deg",
+            meaning="sprawl angle, measured; 0 legs down, 90 flat",
+            source="sprawl_deg",
+            centre=90.0,
+            scale=90.0,
+        ),
+        ObservationTerm(
+            name="speed",
+            symbol="S",
+            unit="m/s",
+            meaning="tangential speed: mean rim speed of the wheels",
+            source="speed_mps",
+            scale=c.SPEED_MAX_MPS,
+        ),
+        ObservationTerm(
+            name="distance",
+            symbol="d",
+            unit="m",
+            meaning="from the base to the obstacle's front face; negative beyond it",
+            source="x_m",
+            sign=-1.0,
+            scale=0.3,
+            bound=4.0,
+        ),
+        ObservationTerm(
+            name="size",
+            symbol=what[0],
+            unit="mm",
+            meaning=f"{what} of the obstacle",
+            source=SIZE,
+            centre=(obstacle.upper + obstacle.lower) / 2,
+            scale=(obstacle.upper - obstacle.lower) / 2,
+        ),
     )
 
 
-def observe(
-    terms: tuple[ObservationTerm, ...], measures: Measures, size_mm: FloatArray
-) -> Observations:
-    """Return observations of shape ``(env, term)`` within the terms' bounds.
+class Observer:
+    """Turns measures into observations.
 
-    The distance to the obstacle is signed: positive before its front face, negative beyond.
+    Parameters
+    ----------
+    terms
+        Entries of the observation; the obstacle's size comes last.
     """
-    columns = {
-        "yaw": measures.yaw_deg,
-        "pitch": measures.pitch_deg,
-        "fbem": measures.fbem_deg,
-        "sprawl": measures.sprawl_deg,
-        "speed": measures.speed_mps,
-        "distance to obstacle": -measures.x_m,
-        "size": size_mm,
-    }
-    observation = np.empty((size_mm.size, len(terms)), dtype=np.float32)
-    for index, term in enumerate(terms):
-        scaled = (columns[term.name] - term.centre) / term.scale
-        observation[:, index] = np.minimum(np.maximum(scaled, -term.bound), term.bound)
-    return observation
 
+    def __init__(self, terms: tuple[ObservationTerm, ...]) -> None:
+        *measured, _ = terms
+        self._source = np.array([MEASURES.index(term.source) for term in measured])
+        # A sign in the scale gives the same bits as one on the value.
+        self._scale: FloatArray = np.array([[term.sign * term.scale] for term in terms])
+        self._centre: FloatArray = np.array([[term.sign * term.centre] for term in terms])
+        self._sign: FloatArray = np.array([[term.sign] for term in terms])
+        self._upper: FloatArray = np.array([[term.bound] for term in terms])
+        self._lower: FloatArray = -self._upper
 
-FEATURE_NAMES = ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
-"""Features logged at every decision (paper II-A)."""
+    def observe(
+        self, measures: Measures, size_mm: FloatArray, noise: FloatArray | None = None
+    ) -> Observations:
+        """Return observations within the terms' bounds.
 
+        Parameters
+        ----------
+        measures
+            What is measured.
+        size_mm
+            Size of each environment's obstacle, shape ``(env,)``.
+        noise
+            What to add to the terms' values, in their units, shape ``(term, env)``.
 
-def features(measures: Measures, time_s: FloatArray, target_m: float) -> FloatArray:
-    """Return the logged features, shape ``(env, feature)``.
-
-    The distance is Euclidean, in the horizontal plane, from the base to the target point: the
-    middle of the target line.
-    """
-    row = np.empty((time_s.size, len(FEATURE_NAMES)))
-    row[:, 0] = time_s
-    row[:, 1] = measures.sprawl_deg
-    row[:, 2] = measures.fbem_deg
-    ahead = target_m - measures.x_m
-    row[:, 3] = np.sqrt(ahead * ahead + measures.y_m * measures.y_m)
-    return row
+        Returns
+        -------
+        Observations
+            Shape ``(env, term)``.
+        """
+        values = np.empty((len(self._scale), size_mm.size))
+        measures.rows.take(self._source, axis=0, out=values[:-1], mode="clip")
+        values[-1] = size_mm
+        if noise is not None:
+            values += self._sign * noise
+        values -= self._centre
+        values /= self._scale
+        np.maximum(values, self._lower, out=values)
+        np.minimum(values, self._upper, out=values)
+        return values.T.astype(np.float32, order="C")

@@ -12,16 +12,14 @@ import numpy as np
 from mujoco.batch import Batch, SimulationError
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.envs.actions import ACTIONS
 from surmount.envs.config import EnvConfig
-from surmount.envs.observations import Measures
+from surmount.envs.measures import MEASURES, Measures
 from surmount.envs.obstacles import Obstacle, block_positions, blocks
 from surmount.envs.scene import build_model
 from surmount.envs.starts import Start
 from surmount.robot.parts import SIDES
 from surmount.robot.running_gear import rolling_radius_m, wheel_names
-
-ACTIONS = ("speed", "fbem", "sprawl")
-"""Actions in the paper's order: rates of the three targets, as fractions of their limits."""
 
 DIVERGED_VELOCITY = 1e3
 """A generalised speed (m/s or rad/s) above this is a diverged simulation."""
@@ -68,17 +66,36 @@ class Simulation:
         self._mocap_ids = [
             int(self.model.body(block.name).mocapid[0]) for block in blocks(obstacle, config.course)
         ]
-        self._wheels = [self._dof(name) for name in wheel_names(config.robot)]
-        self._radius_m = rolling_radius_m(config.robot)
-        self._sprawls = [self._position(f"{side}_sprawl") for side in SIDES]
-        self._fbems = [self._position(f"{side}_fbem") for side in SIDES]
         self._action_of_servo, self._rate_of_servo = self._servo_map()
+        self._measured = self._measured_columns()
+        self._rim_mps = rolling_radius_m(config.robot) / len(wheel_names(config.robot))
+        self._before: FloatArray = np.empty_like(self.batch.state)
+        self._speeds: FloatArray = np.empty(self._qvel.shape)
+        self._none: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self._none.flags.writeable = False
 
     def _position(self, joint: str) -> int:
         return int(self.model.joint(joint).qposadr[0])
 
     def _dof(self, joint: str) -> int:
         return int(self.model.joint(joint).dofadr[0])
+
+    def _measured_columns(self) -> IntArray:
+        """Return the columns of the state that :meth:`measure` reads, in its order."""
+        item = self.batch.state.itemsize
+
+        def first(view: FloatArray) -> int:
+            return (view.ctypes.data - self.batch.state.ctypes.data) // item
+
+        qpos, qvel = first(self._qpos), first(self._qvel)
+        w, x, y, z = range(qpos + 3, qpos + 7)
+        left, right = (
+            [qpos + self._position(f"{side}_{joint}") for joint in ("fbem", "sprawl")]
+            for side in SIDES
+        )
+        wheels = [qvel + self._dof(name) for name in wheel_names(self._config.robot)]
+        factors = [x, x, x, x, w, w, z, y, y, z, x, x, z, y, z, y]
+        return np.array([*factors, *left, *right, qpos, qpos + 1, qpos + 2, *wheels])
 
     def _servo_map(self) -> tuple[IntArray, FloatArray]:
         """Return each servo's action and its rate at a full action."""
@@ -88,16 +105,18 @@ class Simulation:
             actions.append(ACTIONS.index(kind) if kind in ACTIONS else ACTIONS.index("speed"))
         return np.array(actions), self.model.actuator_ctrlrange[:, 1].copy()
 
-    def advance(self, actions: FloatArray, running: BoolArray) -> BoolArray:
+    def advance(self, actions: FloatArray, running: BoolArray | None = None) -> BoolArray:
         """Hold actions for one decision interval.
 
         Parameters
         ----------
         actions
             Fractions of the rate limits in [−1, 1], shape ``(env, 3)``, ordered as
-            :data:`ACTIONS`. Every servo integrates its rate at each physics tick.
+            :data:`~surmount.envs.actions.ACTIONS`. Every servo integrates its rate at each physics
+            tick.
         running
-            Simulations to advance, shape ``(env,)``; the others keep their state, at no cost.
+            Simulations to advance, shape ``(env,)``, or None for all; the others keep their state,
+            at no cost.
 
         Returns
         -------
@@ -106,49 +125,49 @@ class Simulation:
             not finite, or faster than :data:`DIVERGED_VELOCITY`. They are put back to where they
             were before.
         """
-        before = self.batch.state.copy()
+        state = self.batch.state
+        np.copyto(self._before, state)
         np.multiply(actions.take(self._action_of_servo, axis=1), self._rate_of_servo, self._ctrl)
-        failed = np.zeros(running.size, dtype=np.bool_)
+        failed = self._none
         try:
-            self.batch.step(None if running.all() else running, self._ticks)
+            self.batch.step(running, self._ticks)
         except SimulationError as error:
+            failed = self._none.copy()
             failed[error.ids] = True
-        # NaN fails the comparisons; looking at all simulations at once is the cheap common case.
-        if not (np.abs(self._qvel).max() < DIVERGED_VELOCITY and np.isfinite(self._qpos).all()):
-            failed |= ~(np.abs(self._qvel).max(axis=1) < DIVERGED_VELOCITY)
-            failed |= ~np.isfinite(self._qpos).all(axis=1)
-        failed &= running
-        if failed.any():
-            self.batch.state[failed] = before[failed]
+        # NaN fails the comparison; looking at all simulations at once is the cheap common case.
+        # Positions are integrated from velocities: they cannot be the first to be not finite.
+        if not np.abs(self._qvel, out=self._speeds).max() < DIVERGED_VELOCITY:
+            failed = failed | ~(self._speeds.max(axis=1) < DIVERGED_VELOCITY)
+        if failed is not self._none:
+            if running is not None:
+                failed &= running
+            state[failed] = self._before[failed]
         return failed
 
     def measure(self) -> Measures:
         """Return what the robots measure."""
         # One row per coordinate: contiguous operands keep the arithmetic fast, and independent of
         # the number of simulations.
-        qpos = self._qpos.T.copy()
-        w, x, y, z = qpos[3:7]
-        # Entries of the rotation matrix: horizontal part of the lateral axis, and the heights of
-        # the forward and upward axes.
-        lateral_x, lateral_y = 2 * (x * y - w * z), 1 - 2 * (x * x + z * z)
-        forward_z, upward_z = 2 * (x * z - w * y), 1 - 2 * (x * x + y * y)
-        left, right = self._sprawls
-        sprawl = (qpos[left] + qpos[right]) * (0.5 * _DEGREES)
-        left, right = self._fbems
-        fbem = (qpos[left] + qpos[right]) * (0.5 * _DEGREES)
-        rim = self._qvel[:, self._wheels[0]].copy()
-        for wheel in self._wheels[1:]:
-            rim += self._qvel[:, wheel]
-        return Measures(
-            x_m=qpos[0],
-            y_m=qpos[1],
-            z_m=qpos[2],
-            yaw_deg=np.arctan2(-lateral_x, lateral_y) * _DEGREES,
-            pitch_deg=np.arctan2(forward_z, upward_z) * _DEGREES,
-            sprawl_deg=sprawl,
-            fbem_deg=fbem,
-            speed_mps=rim * (self._radius_m / len(self._wheels)),
-        )
+        columns = self.batch.state.take(self._measured, axis=1).T.copy()
+        products = columns[:8] * columns[8:16]
+        # Entries of the rotation matrix: horizontal part of the lateral axis (xy − wz, xx + zz),
+        # and heights of the forward and upward axes (xz − wy, xx + yy).
+        sines = products[:2] - products[4:6]
+        sines *= 2
+        np.negative(sines[0], out=sines[0])
+        cosines = products[2:4] + products[6:]
+        cosines *= -2
+        cosines += 1
+        rows = np.empty((len(MEASURES), columns.shape[1]))
+        angles, joints, rim = rows[:2], rows[2:4], rows[4]
+        np.arctan2(sines, cosines, out=angles)
+        angles *= _DEGREES
+        np.add(columns[16:18], columns[18:20], out=joints)
+        joints *= 0.5 * _DEGREES
+        np.add.reduce(columns[23:], axis=0, out=rim)
+        rim *= self._rim_mps
+        rows[5:] = columns[20:23]
+        return Measures(rows=rows)
 
     def place(self, env: int, size_mm: float, start: Start) -> None:
         """Put simulation ``env`` at rest into a start pose, before an obstacle of a size."""
@@ -174,7 +193,7 @@ class Simulation:
     def data(self, env: int, data: mujoco.MjData | None = None) -> mujoco.MjData:
         """Return simulation ``env`` with all derived quantities computed, to render or examine."""
         data = self.batch.get_data(env, data)
-        mujoco.mj_forward(self.model, data)
+        mujoco.mj_forward(self.batch.get_model(env), data)
         return data
 
 

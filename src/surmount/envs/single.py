@@ -11,10 +11,11 @@ from gymnasium import Env
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.tasks import TaskDistribution
-from surmount.envs.batch import RENDER_MODES, ObstacleVectorEnv
+from surmount.envs.batch import ObstacleVectorEnv
 from surmount.envs.config import EnvConfig
 from surmount.envs.infos import Infos
 from surmount.envs.observations import Observations
+from surmount.envs.pictures import RENDER_MODES
 
 
 class ObstacleEnv(Env[Observations, npt.NDArray[Any]]):

@@ -42,7 +42,9 @@ def obstacle_family(obstacle: str, config: EnvConfig) -> TaskFamily:
     parameters = (course.parameter,)
 
     def build(num_envs: int, mode: AutoresetMode) -> TaskVectorEnv:
-        return ObstacleVectorEnv(obstacle, num_envs, config=config, autoreset_mode=mode)
+        return ObstacleVectorEnv(
+            obstacle, num_envs, config=config, n_threads=1, autoreset_mode=mode
+        )  # stages run side by side (ADR 3)
 
     return TaskFamily(
         whole_range=TaskDistribution.uniform(

@@ -1,0 +1,134 @@
+"""Episodes as they go on: how long, over which paths, and how each of them ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.envs.config import EnvConfig
+from surmount.envs.measures import Measures
+
+
+class Episodes:
+    """The present episode of every environment.
+
+    Parameters
+    ----------
+    num_envs
+        Number of environments.
+    config
+        Target, fall depth and cap.
+
+    Attributes
+    ----------
+    variant
+        Task of the episode, shape ``(env, parameter)``.
+    steps
+        Decisions taken, shape ``(env,)``.
+    path_deg
+        Path lengths Σ|Δangle| of FBEM and sprawl (paper III-D), shape ``(2, env)``.
+    terminated, truncated, success, diverged
+        How the episode ended, if it did, shape ``(env,)``.
+    any_over
+        Whether any episode has ended and not begun anew.
+    """
+
+    def __init__(self, num_envs: int, config: EnvConfig) -> None:
+        course = config.course
+        self._target_m, self._lowest_m = course.target_m, -course.fall_depth_m
+        self._cap = config.steps_per_episode
+        self._interval_s, self._cap_s = config.decision_interval_s, config.episode_s
+        self.variant: FloatArray = np.zeros((num_envs, 1))
+        self.steps: IntArray = np.zeros(num_envs, dtype=np.int64)
+        self.path_deg: FloatArray = np.zeros((2, num_envs))
+        self.terminated: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self.truncated: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self.success: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self.diverged: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self.any_over = False
+
+    def begin(self, envs: IntArray) -> None:
+        """Begin an episode in each of ``envs``."""
+        self.steps[envs] = 0
+        self.path_deg[:, envs] = 0.0
+        for flags in (self.terminated, self.truncated, self.success, self.diverged):
+            flags[envs] = False
+        self._note_endings()
+
+    def go_on(
+        self,
+        now: Measures,
+        change_deg: FloatArray,
+        diverged: BoolArray,
+        running: BoolArray | None,
+    ) -> BoolArray | None:
+        """Count a decision and judge what it led to.
+
+        Parameters
+        ----------
+        now
+            What is measured after the decision.
+        change_deg
+            Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``; zero where
+            the environment was not running.
+        diverged
+            Simulations that diverged, shape ``(env,)``.
+        running
+            Environments whose episodes go on, shape ``(env,)``, or None if all do.
+
+        Returns
+        -------
+        BoolArray or None
+            Episodes that ended by this decision, shape ``(env,)``; None if no episode did.
+        """
+        self.path_deg += change_deg
+        self.steps += 1 if running is None else running
+        reached = now.x_m >= self._target_m
+        fell = now.z_m < self._lowest_m
+        capped = self.steps >= self._cap
+        ended: BoolArray = reached | fell
+        ended |= capped
+        ended |= diverged
+        if running is not None:
+            ended &= running
+        if not ended.any():
+            return None
+        self.diverged |= ended & diverged
+        self.success |= ended & reached & ~diverged
+        self.terminated |= ended & (self.success | fell | diverged)
+        self.truncated |= ended & ~self.terminated
+        self._note_endings()
+        return ended
+
+    @property
+    def over(self) -> BoolArray:
+        """Episodes that have ended and not begun anew, shape ``(env,)``."""
+        return self.terminated | self.truncated
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Time since each episode began, in s, shape ``(env,)``."""
+        return self.steps.astype(np.float64) * self._interval_s
+
+    def completion_time_s(self, time_s: FloatArray) -> FloatArray:
+        """Return the time to the target, or the cap where it is not reached, shape ``(env,)``."""
+        return np.where(self.success, time_s, self._cap_s)
+
+    def _note_endings(self) -> None:
+        self.any_over = bool(self.over.any())
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return all that is known of the present episodes, as arrays."""
+        return {name: getattr(self, name).copy() for name in _STATE}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on from :meth:`state_dict`."""
+        for name in _STATE:
+            getattr(self, name)[:] = state[name]
+        self._note_endings()
+
+
+_STATE = ("variant", "steps", "path_deg", "terminated", "truncated", "success", "diverged")
