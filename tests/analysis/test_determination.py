@@ -54,6 +54,11 @@ def test_same_trials_and_seed_give_the_same_record(analysis: Analysis, trials: T
     assert determine_curriculum(trials, QUICK).to_record() == analysis.to_record()
 
 
+def test_number_of_threads_does_not_matter(analysis: Analysis, trials: Trials, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    assert determine_curriculum(trials, QUICK).to_record() == analysis.to_record()
+
+
 def test_order_of_trials_does_not_matter(analysis: Analysis, trials: Trials):
     order = np.random.default_rng(1).permutation(trials.n_trials)
     parts = [trials.select(np.arange(trials.n_trials) == i) for i in order]

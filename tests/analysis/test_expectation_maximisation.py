@@ -15,6 +15,7 @@ from surmount.analysis.expectation_maximisation import (
     Components,
     coefficients,
     expand,
+    expectation,
     maximise_likelihood,
 )
 from surmount.analysis.starts import spread_centres, start_components
@@ -71,6 +72,36 @@ def test_product_with_expanded_features_is_the_weighted_log_density(seed, k, d):
     logits = coefficients(components) @ expand(x).T
     direct = log_density(mixture.weights, mixture.means, mixture.covariances, x)
     np.testing.assert_allclose(np.logaddexp.reduce(logits, axis=0), direct, atol=1e-9)
+
+
+@pytest.mark.parametrize("weighted", [False, True])
+def test_sums_over_many_pieces_are_those_of_responsibilities_whatever_the_threads(
+    monkeypatch, weighted
+):
+    x = samples(n=40_001, d=2, k=16)  # several pieces, and a last one that is not whole
+    start = start_components(x[:2000], 16, 1e-4, np.random.default_rng(0))
+    counts = np.random.default_rng(1).integers(0, 3, x.shape[0]) if weighted else None
+    parts = np.stack(
+        [
+            log_density(np.ones(1), mean[None], covariance[None], x) + np.log(weight)
+            for weight, mean, covariance in zip(
+                start.weights, start.means, start.covariances, strict=True
+            )
+        ]
+    )
+    total = np.logaddexp.reduce(parts, axis=0)
+    times = np.ones(x.shape[0]) if counts is None else counts
+    found = []
+    for threads in ("1", "2", "3"):
+        monkeypatch.setenv("OMP_NUM_THREADS", threads)
+        found.append(expectation(expand(x), start, counts))
+    assert found[0][0] == pytest.approx(times @ total, rel=1e-12)
+    np.testing.assert_allclose(
+        found[0][1], (np.exp(parts - total) * times) @ expand(x), rtol=1e-9, atol=1e-8
+    )
+    for likelihood, sums in found[1:]:
+        assert likelihood == found[0][0]
+        np.testing.assert_array_equal(sums, found[0][1])
 
 
 def test_likelihood_never_falls_without_regularisation():

@@ -9,6 +9,7 @@ from surmount.analysis.component_count import BICCurve
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.cut import cut_dendrogram
 from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.expectation_maximisation import Components
 from surmount.analysis.features import VariantSamples, variant_samples
 from surmount.analysis.fitting import Prepared, affordable_components, bic_curve, mixture_of
 from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
@@ -22,6 +23,7 @@ from surmount.core.curriculum import Curriculum, Group
 from surmount.core.errors import InputError
 from surmount.core.mixture import Mixture
 from surmount.core.seeds import derive_seed, generator
+from surmount.core.threads import spread
 from surmount.core.trials import Trials
 
 
@@ -54,24 +56,22 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     settings = config or AnalysisConfig()
     data = variant_samples(trials, settings)
     hardest = _bic_variant(data, settings)
-    prepared = [Prepared(samples) for samples in data.samples]
     seed = derive_seed(settings.seed, "mixtures")
-
     curves: list[BICCurve] = []
     if not settings.components:
-        chosen = range(len(prepared)) if settings.components_per_variant else [hardest]
-        curves = [bic_curve(prepared[variant], settings, seed) for variant in chosen]
-    fits = []
-    mixtures: list[Mixture] = []
-    for variant, samples in enumerate(prepared):
-        curve = curves[variant] if settings.components_per_variant and curves else None
-        common = curve or (curves[0] if curves else None)
-        wanted = common.chosen if common else settings.components
-        wanted = min(wanted, affordable_components(samples.n_samples, settings))
-        fit = samples.fit(wanted, settings, seed)
-        fits.append(fit.components)
-        mixtures.append(mixture_of(fit, data.features.scaling, settings, wanted))
+        chosen = range(len(data.samples)) if settings.components_per_variant else [hardest]
+        curves = [bic_curve(Prepared(data.samples[variant]), settings, seed) for variant in chosen]
 
+    def fit(variant: int) -> tuple[Components, Mixture]:
+        samples = Prepared(data.samples[variant])
+        wanted = settings.components
+        if curves:
+            wanted = curves[variant if settings.components_per_variant else 0].chosen
+        wanted = min(wanted, affordable_components(samples.n_samples, settings))
+        found = samples.fit(wanted, settings, seed)
+        return found.components, mixture_of(found, data.features.scaling, settings, wanted)
+
+    fits, mixtures = zip(*spread(fit, range(len(data.samples))), strict=True)
     distances = hellinger_matrix(mixtures)
     dendrogram = build_dendrogram(distances, settings.linkage)
     cut = cut_dendrogram(dendrogram, distances, settings)
@@ -97,7 +97,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     )
     stability = None
     if settings.bootstrap:
-        stability = assess_stability(trials, data, tuple(fits), labels, settings)
+        stability = assess_stability(trials, data, fits, labels, settings)
     sensitivity: tuple[SensitivityRow, ...] = ()
     if settings.sensitivity:
         sensitivity = assess_sensitivity(data, mixtures, distances, labels, settings, seed=seed)
@@ -114,7 +114,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         bic_variant=hardest,
         bic=_curve_of(curves, hardest, settings),
         bic_per_variant=tuple(curves) if settings.components_per_variant else (),
-        mixtures=tuple(mixtures),
+        mixtures=mixtures,
         distances=distances,
         linkage=dendrogram.links,
         inconsistency=dendrogram.inconsistency(settings.inconsistency_depth),

@@ -4,7 +4,8 @@ The log density of a Gaussian is linear in the expanded features φ(x) = (1, x�
 The log densities of all components at all samples are therefore one product of φ with a matrix of
 coefficients, and all sums of the maximisation (mass, first and second moments of every component)
 are one product of the responsibilities with φ. There is no loop over components. Samples go
-through in blocks that stay in the cache, in a fixed order, so that sums do not depend on threads.
+through in blocks that stay in the cache; threads take pieces of several blocks, whose sums are
+added in a fixed order, so that nothing depends on the number of threads.
 
 Samples must be standardised: squares of features are subtracted from each other, which loses
 about ``(|x| / smallest standard deviation)² · 1e-16`` nats; the regularisation bounds this ratio.
@@ -19,9 +20,14 @@ from functools import lru_cache
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.threads import LARGEST_PRODUCT, spread, threads_kept
 
-_BLOCK = 4096
-"""Samples per block: logits of 16 components take 512 KiB."""
+_FEWEST_ROWS, _MOST_ROWS, _ROW_STEP = 256, 4096, 64
+"""Samples per block: few enough for the cache, enough to make calls worth their overhead."""
+_PIECE_VALUES = 1 << 17
+"""Logits of a piece, a thread's unit of work: about half a millisecond."""
+_FEWEST_PIECES = 4
+"""Fewer are not worth waking threads for."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,25 +134,60 @@ def expectation(
         Log-likelihood in nats; Σ over samples of responsibility × φ, ``(component, expanded)``.
     """
     matrix = coefficients(components)
-    sums = np.zeros_like(matrix)
-    log_likelihood = 0.0
-    for start in range(0, phi.shape[0], _BLOCK):
-        block = phi[start : start + _BLOCK]
-        logits = matrix @ block.T
-        top = logits.max(axis=0)
-        logits -= top
-        np.exp(logits, out=logits)
-        total = logits.sum(axis=0)
-        densities = top + np.log(total)
+
+    def of_piece(piece: tuple[slice, int]) -> tuple[float, FloatArray]:
+        samples, rows = piece
+        blocks = phi[samples].reshape(-1, rows, phi.shape[1])
         if sample_weights is None:
-            logits /= total
-            log_likelihood += float(densities.sum())
-        else:
-            counts = sample_weights[start : start + _BLOCK]
-            logits *= counts / total
-            log_likelihood += float(densities @ counts)
-        sums += logits @ block
+            return _sums(blocks, matrix, None)
+        return _sums(blocks, matrix, sample_weights[samples].reshape(-1, 1, rows))
+
+    pieces = _pieces(phi.shape[0], *matrix.shape)
+    found = spread(of_piece, pieces) if len(pieces) >= _FEWEST_PIECES else map(of_piece, pieces)
+    log_likelihood, sums = 0.0, np.zeros_like(matrix)
+    for value, part in found:
+        log_likelihood += value
+        sums += part
     return log_likelihood, sums
+
+
+def _pieces(n_samples: int, n_components: int, n_expanded: int) -> list[tuple[slice, int]]:
+    """Divide samples into pieces of whole blocks; the last samples are a piece of one block.
+
+    Returns
+    -------
+    list of tuple
+        The samples of each piece, and the samples in each of its blocks: as many as BLAS
+        multiplies in the calling thread.
+    """
+    fitting = LARGEST_PRODUCT // (n_components * n_expanded) // _ROW_STEP * _ROW_STEP
+    rows = min(max(fitting, _FEWEST_ROWS), _MOST_ROWS)
+    per_piece = rows * max(1, _PIECE_VALUES // (rows * n_components))
+    whole = n_samples // rows * rows
+    pieces = [
+        (slice(start, min(start + per_piece, whole)), rows) for start in range(0, whole, per_piece)
+    ]
+    if whole < n_samples:
+        pieces.append((slice(whole, n_samples), n_samples - whole))
+    return pieces
+
+
+def _sums(
+    blocks: FloatArray, matrix: FloatArray, counts: FloatArray | None
+) -> tuple[float, FloatArray]:
+    """Return log-likelihood and Σ responsibility × φ of blocks, ``(block, sample, expanded)``."""
+    logits = matrix @ blocks.transpose(0, 2, 1)
+    top = logits.max(axis=1, keepdims=True)
+    logits -= top
+    np.exp(logits, out=logits)
+    total = logits.sum(axis=1, keepdims=True)
+    densities = top + np.log(total)
+    if counts is None:
+        logits /= total
+    else:
+        logits *= counts / total
+        densities *= counts
+    return float(densities.sum()), (logits @ blocks).sum(axis=0)
 
 
 def maximisation(sums: FloatArray, n_features: int, regularisation: float) -> Components:
@@ -175,6 +216,7 @@ def maximisation(sums: FloatArray, n_features: int, regularisation: float) -> Co
     return Components(weights=mass / mass.sum(), means=means, covariances=covariances)
 
 
+@threads_kept()
 def maximise_likelihood(
     phi: FloatArray,
     start: Components,

@@ -19,6 +19,7 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.core.mixture import FitReport, Mixture, bic
 from surmount.core.seeds import generator
+from surmount.core.threads import spread
 
 _TRIAL_SAMPLES = 4096
 """Samples on which starts are compared before the best one goes on with all samples."""
@@ -190,13 +191,11 @@ def bic_curve(prepared: Prepared, config: AnalysisConfig, seed: int) -> BICCurve
     """Fit every K of the configured range and choose one by the BIC (eq. 3)."""
     most = affordable_components(prepared.n_samples, config)
     counts = list(range(min(config.min_components, most), min(config.max_components, most) + 1))
-    values: list[float] = []
-    converged: list[bool] = []
-    for count in counts:
-        fit = prepared.fit(count, config, seed)
-        n_components, n_features = fit.components.means.shape
-        values.append(bic(fit.log_likelihood, prepared.n_samples, n_components, n_features))
-        converged.append(fit.converged)
+    fits = spread(lambda count: prepared.fit(count, config, seed), counts)
+    values = [
+        bic(fit.log_likelihood, prepared.n_samples, *fit.components.means.shape) for fit in fits
+    ]
+    converged = [fit.converged for fit in fits]
     return choose_components(counts, values, converged, config.plateau)
 
 

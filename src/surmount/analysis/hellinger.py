@@ -16,9 +16,8 @@ from surmount.analysis.sigma_points import sigma_points
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
 from surmount.core.mixture import Mixture
+from surmount.core.threads import LARGEST_PRODUCT
 
-_TILE_VALUES = 1 << 16
-"""Values of a tile of densities: 512 KiB, which stays in the cache."""
 _LARGEST_SQUARE = 1e9
 """Squares up to this leave 1e-7 nats of rounding in the fast form of the densities."""
 
@@ -42,8 +41,8 @@ def hellinger(p: Mixture, q: Mixture) -> float:
 def hellinger_matrix(mixtures: Sequence[Mixture]) -> FloatArray:
     """Return the unscented Hellinger distances of all pairs of mixtures.
 
-    Beside the result, memory is one tile of densities (512 KiB) and the expanded form of all
-    components: ``8 · (1 + d + d(d+1)/2)`` bytes each.
+    Beside the result, memory is one tile of densities (at most 1 MiB, or one pair of mixtures) and
+    the expanded form of all components: ``8 · (1 + d + d(d+1)/2)`` bytes each.
 
     Parameters
     ----------
@@ -103,7 +102,7 @@ class _Densities:
         logits = self._logits(slice(self._first[own], self._first[own + 1]), phi)
         top = logits.max(axis=0)
         own_density = top + np.log(np.exp(logits - top).sum(axis=0))
-        per_tile = max(1, _TILE_VALUES // points.shape[0])
+        per_tile = max(1, LARGEST_PRODUCT // phi.size)
         start = 0
         with np.errstate(over="ignore"):
             while start < n_mixtures:

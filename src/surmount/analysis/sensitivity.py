@@ -18,6 +18,7 @@ from surmount.analysis.groups import merge_small, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.mixture import Mixture
+from surmount.core.threads import spread
 
 _LINKAGES = ("average", "complete", "single", "weighted", "ward")
 _DEPTHS = (2, 3, 4, 0)
@@ -106,7 +107,7 @@ def assess_sensitivity(
         partial = hellinger_matrix([marginal(mixture, kept) for mixture in mixtures])
         rows.append(row("features", f"without {name}", group_variants(partial, config)))
     for count in _other_counts(mixtures, config):
-        refitted = hellinger_matrix(list(_refits(data, count, config, seed)))
+        refitted = hellinger_matrix(_refits(data, count, config, seed))
         rows.append(row("components", str(count), group_variants(refitted, config)))
     return tuple(rows)
 
@@ -146,12 +147,13 @@ def _other_counts(mixtures: Sequence[Mixture], config: AnalysisConfig) -> list[i
     return [count for count in (max(2, own // 2), more) if count != own]
 
 
-def _refits(
-    data: VariantSamples, count: int, config: AnalysisConfig, seed: int
-) -> Iterator[Mixture]:
+def _refits(data: VariantSamples, count: int, config: AnalysisConfig, seed: int) -> list[Mixture]:
     quick = dataclasses.replace(config, restarts=1)
-    for samples in data.samples:
+
+    def refit(samples: FloatArray) -> Mixture:
         prepared = Prepared(samples)
         affordable = min(count, affordable_components(prepared.n_samples, config))
         fit = prepared.fit(affordable, quick, seed)
-        yield mixture_of(fit, data.features.scaling, quick, affordable)
+        return mixture_of(fit, data.features.scaling, quick, affordable)
+
+    return spread(refit, data.samples)

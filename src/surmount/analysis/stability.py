@@ -14,6 +14,7 @@ from surmount.analysis.sensitivity import group_variants
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.mixture import Mixture
 from surmount.core.seeds import generator
+from surmount.core.threads import spread
 from surmount.core.trials import Trials
 
 _REFIT_ITERATIONS = 5
@@ -83,19 +84,21 @@ def assess_stability(
     """
     n_variants = data.variants.shape[0]
     prepared = [_thin(data, fits, variant, config) for variant in range(n_variants)]
+
+    def grouped(replicate: int) -> IntArray:
+        weights = resampled(trials, generator(config.seed, "bootstrap", replicate))
+        mixtures = [
+            _refit(phi, start, weights[origin].astype(np.float64), config)
+            for phi, start, origin in prepared
+        ]
+        return group_variants(hellinger_matrix(mixtures), config)
+
     together = np.zeros((n_variants, n_variants))
     counts: dict[int, int] = {}
     agreement = 0.0
     same = labels[:, None] == labels
     pairs = np.triu_indices(n_variants, 1)
-    for replicate in range(config.bootstrap):
-        rng = generator(config.seed, "bootstrap", replicate)
-        weights = resampled(trials, rng)
-        mixtures = [
-            _refit(phi, start, weights[origin].astype(np.float64), config)
-            for phi, start, origin in prepared
-        ]
-        groups = group_variants(hellinger_matrix(mixtures), config)
+    for groups in spread(grouped, range(config.bootstrap)):
         co_members = groups[:, None] == groups
         together += co_members
         agreement += float((co_members[pairs] == same[pairs]).mean())
