@@ -96,6 +96,71 @@ def test_all_problems_are_named_at_once_with_rows_and_remedies():
     assert "row 2: `success` is neither 0 nor 1" in text
 
 
+def test_problems_of_values_do_not_hide_problems_of_trials_and_variants():
+    x = np.arange(12.0)
+    x[3] = np.nan
+    success = np.repeat([1, 0, 1, 1], 3)
+    success[2] = 0
+    time = np.tile([0.0, 0.1, 0.2], 4)
+    time[7] = 0.0
+    with pytest.raises(InputError) as caught:
+        trials_from_table(
+            table(x_mm=x, success=success, time_s=time), minimum_variants=3, minimum_samples=7
+        )
+    text = str(caught.value)
+    for problem in (
+        "row 4: `x_mm` is missing",
+        "row 3: `success` differs",
+        "row 8: has the same `time_s`",
+        "only 2 variants",
+        "variant 10 has 6 rows, fewer than 7",
+    ):
+        assert problem in text
+
+
+X = np.arange(12.0)
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        ({"x_mm": np.ma.masked_array(X, X == 3)}, "row 4: `x_mm` is missing"),
+        ({"network": np.ma.masked_array(["a"] * 12, X == 3)}, "row 4: `network` is missing"),
+        ({"network": np.array(["a", None, float("nan"), pd.NA] * 3, object)}, "row 2, 3, 4, 6, 7"),
+        ({"x_mm": [[1.0], [2.0, 3.0]] * 6}, "`x_mm` is not a number"),
+        ({"x_mm": np.zeros((12, 2))}, "`x_mm` has not one value per row"),
+        ({"x_mm": 3.0}, "`x_mm` has not one value per row"),
+        ({"x_mm": X[:7]}, r"columns differ in length \(.*time_s 12, x_mm 7\)"),
+        ({"x_mm": np.array([10**400] * 12, object)}, "`x_mm` is missing, NaN or infinite"),
+        ({"trial": np.array([10**30 + i for i in range(12)], object)}, "`trial` is not a whole"),
+        ({"x_mm": X + 1j}, "`x_mm` is not a number"),
+        ({"time_s": np.datetime64("2020-01-01") + np.arange(12)}, "`time_s` is not a number"),
+        ({"variant": np.repeat([0.3, 0.1 + 0.2], 6)}, "differ by rounding only"),
+    ],
+)
+def test_columns_that_hold_no_sound_numbers_are_named(column, words):
+    with pytest.raises(InputError, match=words):
+        trials_from_table(table(**column))
+
+
+@pytest.mark.parametrize(
+    ("frame", "words"),
+    [
+        (pl.DataFrame(table()).lazy(), "not been computed"),
+        (pd.DataFrame(table()).assign(y=1)[["variant", "y", "y"]], "several columns .* `y`"),
+        (pl.DataFrame({"a": [1, 2]}).to_struct("a").to_frame(), "`a` has not one value per row"),
+        (np.zeros(3, dtype=[("variant", float)]), "ndarray, not a table"),
+        ([1, 2, 3], "list, not a table"),
+        (None, "NoneType, not a table"),
+        ({}, "no rows"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_a_sentence(frame, words):
+    with pytest.raises(InputError, match=words) as caught:
+        trials_from_table(frame)
+    assert caught.value.remedy
+
+
 def test_success_that_changes_within_a_trial_is_refused():
     success = np.repeat([1, 0, 1, 1], 3)
     success[2] = 0
@@ -168,6 +233,47 @@ def test_names_of_networks_read_alike_in_every_piece_of_a_csv(tmp_path: Path):
     assert np.unique(read_trials(tmp_path / "t.csv").network).tolist() == [0, 1, 2]
 
 
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"variant;network\n1,5;0\n", "separates its columns by ';'"),
+        (b"variant\tnetwork\n1\t0\n", "separates its columns by"),
+        ("variant,größe\n1,0\n".encode("latin-1"), "is not UTF-8"),
+        ("variant,x\n1,0\n".encode("utf-16"), "is not UTF-8"),
+    ],
+)
+def test_csv_of_another_make_is_refused_by_what_is_unusual(tmp_path: Path, content, words):
+    (tmp_path / "t.csv").write_bytes(content)
+    with pytest.raises(InputError, match=words) as caught:
+        read_trials(tmp_path / "t.csv")
+    assert caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        pl.Series([[1.0, 2.0]] * 12),
+        pl.Series([{"a": 1, "b": 2}] * 12),
+        pl.Series([b"12"] * 12),
+        pl.Series([None] * 12),
+        pl.Series(["2020-01-01"] * 12).str.to_date(),
+        pl.Series([1.0, None] * 6),
+        pl.Series(["ten"] * 12).cast(pl.Categorical),
+    ],
+)
+def test_parquet_columns_of_other_types_are_named(tmp_path: Path, column: pl.Series):
+    pl.DataFrame(table()).with_columns(odd=column).write_parquet(tmp_path / "t.parquet")
+    with pytest.raises(InputError, match=r"`odd` is (not a number|missing)"):
+        read_trials(tmp_path / "t.parquet")
+
+
+@pytest.mark.parametrize("kind", [pl.Decimal(10, 3), pl.Float32, pl.Int8, pl.UInt64, pl.String])
+def test_parquet_columns_of_any_kind_of_number_are_read(tmp_path: Path, kind):
+    frame = pl.DataFrame(table()).with_columns(pl.col("x_mm").cast(kind))
+    frame.write_parquet(tmp_path / "t.parquet")
+    np.testing.assert_array_equal(read_trials(tmp_path / "t.parquet").column("x_mm"), X)
+
+
 def test_text_that_is_no_parquet_is_refused(tmp_path: Path):
     (tmp_path / "t.parquet").write_text("no parquet at all")
     with pytest.raises(InputError, match="cannot be read as a table"):
@@ -188,6 +294,43 @@ def test_any_bytes_are_refused_or_read_never_a_traceback(content: bytes):
         path.write_bytes(content)
         with pytest.raises(SurmountError):
             read_trials(path)
+
+
+def sound_or_refused(path: Path) -> None:
+    trials = None
+    with contextlib.suppress(SurmountError):
+        trials = read_trials(path)
+    if trials is not None:
+        assert np.isfinite(trials.features).all()
+        assert np.isfinite(trials.variant).all()
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.data())
+def test_a_damaged_file_is_refused_or_still_sound(data):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / data.draw(st.sampled_from(["t.csv", "t.parquet"]))
+        write_trials(path, trials_from_table(table()))
+        content = bytearray(path.read_bytes())
+        place = data.draw(st.integers(0, len(content) - 1))
+        length = data.draw(st.integers(0, 8))
+        content[place : place + length] = data.draw(st.binary(max_size=8))
+        path.write_bytes(bytes(content))
+        sound_or_refused(path)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    name=st.text(max_size=8),
+    entries=st.lists(st.sampled_from(["1", "-0.5", "1e3", "", "nan", "x", "١", "1_0", '"', "é"])),
+)
+def test_any_names_and_texts_in_a_csv_are_sound_or_refused(name, entries):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "t.csv"
+        lines = [f"1,0,{row},1,{entry}" for row, entry in enumerate(entries)]
+        text = "\n".join([f"variant,network,trial,success,{name}", *lines])
+        path.write_text(text, encoding="utf-8", errors="surrogatepass")
+        sound_or_refused(path)
 
 
 cells = st.one_of(

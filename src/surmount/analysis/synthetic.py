@@ -56,6 +56,11 @@ class SyntheticFamily:
         Variants between the places where the first and the second network pass.
     stuck
         Behaviours in which the robot stops midway and sits still until its time is up.
+    own_behaviours
+        Whether the second network has behaviours of its own, as other training runs have.
+    steady_network
+        Whether the second network keeps to its first behaviour: then only the first network changes
+        from group to group.
     trials, steps
         Trials per variant, by two networks in turn, and control steps of the longest trial that
         is not stuck.
@@ -74,6 +79,8 @@ class SyntheticFamily:
     transition: float = 0.0
     network_shift: float = 0.0
     stuck: tuple[int, ...] = ()
+    own_behaviours: bool = False
+    steady_network: bool = False
     trials: int = 20
     steps: int = 100
     seed: int = 0
@@ -82,10 +89,11 @@ class SyntheticFamily:
     def labels(self) -> IntArray:
         """True group of each variant, shape ``(variant,)``.
 
-        −1 for outliers, and where trials of both behaviours are common (0.1 to 0.9).
+        −1 for outliers, and where trials of both behaviours are common (0.1 to 0.9) in the
+        networks that change.
         """
         labels = np.repeat(self.behaviours, self.sizes)
-        passed = self._passed().mean(axis=0)
+        passed = self._passed()[: 1 if self.steady_network else 2].mean(axis=0)
         unsettled = np.minimum(passed, 1.0 - passed) >= _UNSETTLED
         labels[unsettled.any(axis=1)] = -1
         labels[list(self.outliers)] = -1
@@ -95,8 +103,7 @@ class SyntheticFamily:
         """Draw the trials."""
         rng = np.random.default_rng(self.seed)
         n_variants = sum(self.sizes)
-        courses = rng.standard_normal((max(self.behaviours) + 1, 3, _SHAPES))
-        courses = self.separation * _pushed_apart(courses)
+        courses = self._courses(rng)
         drift = rng.standard_normal((len(self.sizes), 3, _SHAPES))
         drift *= self.grading / np.sqrt(np.square(drift).mean(axis=(1, 2), keepdims=True))
         own = self.separation * rng.standard_normal((n_variants, 3, _SHAPES))
@@ -104,6 +111,7 @@ class SyntheticFamily:
         success_rate[list(self.stuck)] = 0.0
         noise = np.linspace(1.0, self.unevenness, max(self.behaviours) + 1)
         passed = self._passed()
+        networks = (courses, self._courses(rng) if self.own_behaviours else courses)
         first = np.cumsum([0, *self.sizes])
         places = [self._places(size) for size in self.sizes]
         parts: list[FloatArray] = []
@@ -113,10 +121,11 @@ class SyntheticFamily:
                 chances = passed[trial % 2, variant]
                 # The draw decides nothing without a transition, and is then not made.
                 draw = rng.random() if self.transition or self.network_shift else 0.5
-                run = int((draw < chances).sum())
+                steady = self.steady_network and trial % 2 == 1
+                run = 0 if steady else int((draw < chances).sum())
                 behaviour = self.behaviours[run]
                 place = places[run][np.clip(variant - first[run], 0, self.sizes[run] - 1)]
-                course = courses[behaviour] + place * drift[run]
+                course = networks[trial % 2][behaviour] + place * drift[run]
                 if variant in self.outliers:
                     course = own[variant]
                 stuck = behaviour in self.stuck
@@ -136,6 +145,10 @@ class SyntheticFamily:
             starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)[: n_trials + 1],
             features=np.concatenate(parts),
         )
+
+    def _courses(self, rng: np.random.Generator) -> FloatArray:
+        courses = rng.standard_normal((max(self.behaviours) + 1, 3, _SHAPES))
+        return self.separation * _pushed_apart(courses)
 
     def _places(self, size: int) -> FloatArray:
         """Return how far behaviour has drifted on each variant of a run, −½ to ½."""

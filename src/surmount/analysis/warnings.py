@@ -26,7 +26,10 @@ def analysis_warnings(analysis: Analysis) -> Analysis:
 def _about_data(analysis: Analysis) -> list[str]:
     found: list[str] = []
     if analysis.features.dropped:
-        found.append(f"Left out because they never change: {', '.join(analysis.features.dropped)}.")
+        found.append(
+            "Left out because they never change, or by rounding only: "
+            f"{', '.join(analysis.features.dropped)}."
+        )
     few = np.flatnonzero(analysis.n_trials < _FEW_TRIALS)
     if few.size:
         names = ", ".join(describe_variant(analysis.variants[i]) for i in few)

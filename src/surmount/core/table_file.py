@@ -19,6 +19,7 @@ _CSV_PIECE_ROWS = 20_000
 _WRITE_PIECE_ROWS = 100_000
 TABLE_SCHEMA = "1"
 _SCHEMA_KEY = "surmount.trials"
+_OTHER_SEPARATORS = ";\t|"
 _WHOLE_KINDS = (np.int8, np.int16, np.int32)
 
 
@@ -70,7 +71,12 @@ def read_columns(path: Path) -> FileColumns:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             return _read_csv(csv.reader(file, strict=True), path)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path} is not UTF-8 text ({error.reason} at byte {error.start}).",
+            remedy="Save it as CSV in UTF-8.",
+        ) from error
+    except (OSError, csv.Error) as error:
         raise _unreadable(path, error) from error
 
 
@@ -119,7 +125,7 @@ def _read_parquet(path: Path) -> FileColumns:
         lazy = polars.scan_parquet(path)
         types = dict(lazy.collect_schema())
         n_rows = int(lazy.select(polars.len()).collect().item())
-    except (OSError, polars.exceptions.PolarsError) as error:
+    except (OSError, polars.exceptions.PolarsError, polars.exceptions.PanicException) as error:
         raise _unreadable(path, error) from error
     if version != TABLE_SCHEMA:
         raise InputError(
@@ -131,7 +137,7 @@ def _read_parquet(path: Path) -> FileColumns:
     def take(name: str) -> Column:
         try:
             series = lazy.select(polars.col(name)).collect().to_series()
-        except (OSError, polars.exceptions.PolarsError) as error:
+        except (OSError, polars.exceptions.PolarsError, polars.exceptions.PanicException) as error:
             raise _unreadable(path, error) from error
         kind = types[name]
         if kind.is_numeric() or kind == polars.Boolean:
@@ -140,7 +146,7 @@ def _read_parquet(path: Path) -> FileColumns:
         if kind == polars.String:
             column[:] = _shared(series, {})
         else:
-            column[:] = series.to_numpy()
+            column[:] = series.to_list()
         return column
 
     return FileColumns(list(types), n_rows, take)
@@ -148,6 +154,12 @@ def _read_parquet(path: Path) -> FileColumns:
 
 def _read_csv(rows: Iterator[list[str]], path: Path) -> FileColumns:
     header = [name.strip() for name in next(rows, [])]
+    others = [mark for mark in _OTHER_SEPARATORS if len(header) == 1 and mark in header[0]]
+    if others:
+        raise InputError(
+            f"{path} separates its columns by {others[0]!r}.",
+            remedy="Separate them by commas, and write decimals with points.",
+        )
     if len(set(header)) < len(header):
         raise InputError(
             f"{path}: two columns have the same name.", remedy="Name each column once."

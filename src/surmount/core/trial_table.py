@@ -14,16 +14,14 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.table_check import (
-    CodeArray,
-    Coded,
-    Problems,
-    Table,
-    checked_columns,
-    row_pieces,
-)
+from surmount.core.coded_column import CodeArray, Coded, row_pieces
+from surmount.core.table_check import Table, checked_columns
 from surmount.core.table_file import read_columns, write_columns
+from surmount.core.table_problems import Problems
 from surmount.core.trials import Trials
+
+_SAME = 1e-9
+"""Relative difference below which two values of a task parameter are taken for one."""
 
 
 def read_trials(path: Path | str, *, minimum_variants: int = 1, minimum_samples: int = 1) -> Trials:
@@ -112,7 +110,8 @@ def trials_from_table(
     """
     problems = Problems()
     columns = checked_columns(table, problems)
-    problems.raise_if_any(source)
+    if not columns.identified:
+        problems.raise_if_any(source)
     first, trial = _trial_rows(columns)
     in_order = bool((trial[1:] >= trial[:-1]).all())
     order = None if in_order else np.argsort(trial, kind="stable")
@@ -205,6 +204,14 @@ def _check_variants(
             else f"there are only {variants.shape[0]} variants",
             f"Record trials on at least {minimum_variants} variants of the task.",
         )
+    for column in variants.T:
+        values = np.unique(column)
+        close = np.flatnonzero(np.diff(values) <= _SAME * np.abs(values[1:]))
+        for left, right in zip(values[close], values[close + 1], strict=True):
+            problems.add(
+                f"variants {float(left)!r} and {float(right)!r} differ by rounding only",
+                "Write the same number on all rows of a variant.",
+            )
     for value, count in zip(variants, counts, strict=True):
         if count < minimum_samples:
             problems.add(
