@@ -103,6 +103,8 @@ def test_group_of_finds_recorded_variants_only():
     assert curriculum().group_of(np.array([40.0])) == 0
     assert curriculum().group_of(np.array([31.0])) == 1
     assert curriculum().group_of(np.array([26.0])) is None
+    trials = np.array([[31.0], [40.0], [26.0], [40.0]])
+    assert curriculum().groups_of(trials).tolist() == [1, 0, -1, 0]
 
 
 def paths(node, prefix=()):

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import t as t_law
 
 from surmount.core.errors import InputError
-from surmount.stats import bootstrap_interval, network_difference
+from surmount.stats import Bootstrap, bootstrap_interval, network_difference
 
 
 def test_pairs_follow_the_t_law_of_their_differences():
@@ -63,7 +63,9 @@ def test_with_five_networks_the_t_interval_keeps_its_level_and_the_bootstrap_doe
         rows = rng.normal(size=5)
         exact = network_difference(rows, np.zeros(5), paired=True)
         drawn = bootstrap_interval(
-            rows, statistic=lambda scores: float(scores.mean()), seed=run, resamples=400
+            rows,
+            Bootstrap(seed=run, resamples=400),
+            statistic=lambda scores: float(scores.mean()),
         )
         by_t += exact.lower <= 0 <= exact.upper
         by_bootstrap += drawn.lower <= 0 <= drawn.upper

@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import bootstrap
+from scipy.stats import bootstrap as scipys_bootstrap
 from stats_reference import parametrized
 
 from surmount.core.errors import InputError
 from surmount.stats import (
+    Bootstrap,
     bootstrap_interval,
     difference_interval,
     interquartile_mean,
@@ -17,6 +18,7 @@ from surmount.stats import (
     probability_of_improvement,
 )
 
+ONCE = Bootstrap(seed=1)
 SCORES = np.array([[0.2, 0.4, 0.9], [0.5, 0.5, 1.0], [0.1, 0.3, 0.7], [0.6, 0.2, 0.8]])
 
 
@@ -28,13 +30,13 @@ def mean(scores):
 def test_interquartile_mean_and_wins_equal_trimmed_mean_and_wilcoxon_of_r(case):
     assert interquartile_mean(case["first"]) == pytest.approx(case["trimmed_first"], rel=1e-9)
     assert interquartile_mean(case["second"]) == pytest.approx(case["trimmed_second"], rel=1e-9)
-    found = probability_of_improvement(case["first"], case["second"], paired=False, seed=1)
+    found = probability_of_improvement(case["first"], case["second"], ONCE, paired=False)
     assert found.estimate == pytest.approx(case["first_wins"], rel=1e-9)
 
 
 def test_interval_is_that_of_all_possible_resamples_of_whole_networks():
     every = np.array([SCORES[list(rows)].mean() for rows in itertools.product(range(4), repeat=4)])
-    found = bootstrap_interval(SCORES, statistic=mean, seed=1, resamples=20_000)
+    found = bootstrap_interval(SCORES, Bootstrap(seed=1, resamples=20_000), statistic=mean)
     # 20,000 draws place a 2.5 % quantile within 0.1 % of probability, a step or two of the 256.
     assert np.mean(every < found.lower) <= 0.03
     assert np.mean(every <= found.lower) >= 0.02
@@ -45,8 +47,8 @@ def test_interval_is_that_of_all_possible_resamples_of_whole_networks():
 
 def test_interval_equals_scipys_bootstrap_over_networks():
     rows = np.random.default_rng(5).normal(size=(30, 4))
-    found = bootstrap_interval(rows, statistic=mean, seed=2, resamples=5000)
-    expected = bootstrap(
+    found = bootstrap_interval(rows, Bootstrap(seed=2, resamples=5000), statistic=mean)
+    expected = scipys_bootstrap(
         (rows.mean(axis=1),), np.mean, method="percentile", n_resamples=5000, rng=3
     ).confidence_interval
     # Each limit's Monte Carlo error is about 2 % of the interval's width at 5,000 resamples.
@@ -58,7 +60,7 @@ def test_interval_equals_scipys_bootstrap_over_networks():
 def test_networks_are_redrawn_within_their_stratum_only():
     # Two strata without any difference between their networks: nothing is left to vary.
     strata = {"channel": np.full((3, 2), 0.2), "step": np.full((5, 4), 0.8)}
-    found = bootstrap_interval(strata, statistic=mean, seed=1)
+    found = bootstrap_interval(strata, ONCE, statistic=mean)
     assert found.estimate == pytest.approx((6 * 0.2 + 20 * 0.8) / 26, rel=1e-12)
     assert found.lower == pytest.approx(found.estimate, rel=1e-12)
     assert found.upper == pytest.approx(found.estimate, rel=1e-12)
@@ -67,15 +69,15 @@ def test_networks_are_redrawn_within_their_stratum_only():
 
 def test_pairs_from_one_initial_network_are_redrawn_together():
     shift = SCORES + 0.25
-    paired = difference_interval(shift, SCORES, statistic=mean, paired=True, seed=1)
-    apart = difference_interval(shift, SCORES, statistic=mean, paired=False, seed=1)
+    paired = difference_interval(shift, SCORES, ONCE, statistic=mean, paired=True)
+    apart = difference_interval(shift, SCORES, ONCE, statistic=mean, paired=False)
     assert (paired.lower, paired.upper) == (pytest.approx(0.25), pytest.approx(0.25))
     assert apart.lower < 0.2 < 0.25 < apart.upper
 
 
 def test_same_seed_same_interval():
     rows = np.random.default_rng(6).normal(size=(9, 3))
-    one, two, three = (bootstrap_interval(rows, seed=seed) for seed in (4, 4, 5))
+    one, two, three = (bootstrap_interval(rows, Bootstrap(seed=seed)) for seed in (4, 4, 5))
     assert one == two
     assert (one.lower, one.upper) != (three.lower, three.upper)
 
@@ -85,22 +87,23 @@ scores = st.lists(st.floats(0, 1), min_size=2, max_size=8)
 
 @given(scores, scores)
 def test_probabilities_of_improvement_of_both_arms_add_up_to_one(first, second):
-    one = probability_of_improvement(first, second, paired=False, seed=1, resamples=100)
-    two = probability_of_improvement(second, first, paired=False, seed=1, resamples=100)
+    quick = Bootstrap(seed=1, resamples=100)
+    one = probability_of_improvement(first, second, quick, paired=False)
+    two = probability_of_improvement(second, first, quick, paired=False)
     assert one.estimate + two.estimate == pytest.approx(1, abs=1e-12)
     assert 0 <= one.lower <= one.upper <= 1
 
 
 def test_improvement_counts_each_variant_alike():
     first, second = np.array([[1.0, 0.0], [1.0, 0.0]]), np.array([[0.0, 0.0], [0.0, 1.0]])
-    found = probability_of_improvement(first, second, paired=True, seed=1)
+    found = probability_of_improvement(first, second, ONCE, paired=True)
     # Variant 1 is won by all four pairs; variant 2 is tied in two and lost in two: ½(1 + ¼).
     assert found.estimate == pytest.approx(0.625, abs=1e-12)
 
 
 def test_profile_is_the_share_of_scores_above_each_threshold():
     thresholds = [0.0, 0.5, 0.75, 1.0]
-    found = performance_profile(SCORES, thresholds, seed=1)
+    found = performance_profile(SCORES, thresholds, ONCE)
     assert found.share == pytest.approx([1, 5 / 12, 3 / 12, 0], abs=1e-12)
     assert all(np.diff(found.share) <= 0)
     for low, share, high in zip(found.lower, found.share, found.upper, strict=True):
@@ -116,10 +119,10 @@ def test_profile_is_the_share_of_scores_above_each_threshold():
 def test_fewer_than_two_networks_have_an_estimate_and_no_interval(one_network):
     arms = (one_network, one_network)
     for found in (
-        bootstrap_interval(one_network, seed=1),
-        difference_interval(*arms, paired=True, seed=1),
-        probability_of_improvement(*arms, paired=False, seed=1),
-        performance_profile(one_network, [0.6], seed=1),
+        bootstrap_interval(one_network, ONCE),
+        difference_interval(*arms, ONCE, paired=True),
+        probability_of_improvement(*arms, ONCE, paired=False),
+        performance_profile(one_network, [0.6], ONCE),
     ):
         assert found.lower in (None, (None,))
         assert found.reason is not None
@@ -142,9 +145,9 @@ def test_fewer_than_two_networks_have_an_estimate_and_no_interval(one_network):
 )
 def test_bad_scores_are_named(first, second, says):
     with pytest.raises(InputError, match=says):
-        probability_of_improvement(first, second, paired=True, seed=1)
+        probability_of_improvement(first, second, ONCE, paired=True)
 
 
 def test_too_few_resamples_are_refused():
     with pytest.raises(InputError, match="10 bootstrap resamples"):
-        bootstrap_interval(SCORES, seed=1, resamples=10)
+        Bootstrap(seed=1, resamples=10)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.curriculum_check import SCHEMA, curriculum_problems
 from surmount.core.errors import InputError
 from surmount.core.records import read_record, write_atomically
@@ -144,6 +144,24 @@ class Curriculum:
             if np.isclose(group.variants, np.atleast_1d(variant), rtol=1e-9).all(axis=1).any():
                 return index
         return None
+
+    def groups_of(self, variants: FloatArray) -> IntArray:
+        """Return the index of the group of each variant, −1 where it belongs to none.
+
+        Parameters
+        ----------
+        variants
+            Shape ``(trial, parameter)``; variants may occur many times.
+
+        Returns
+        -------
+        IntArray
+            Shape ``(trial,)``.
+        """
+        distinct, index = np.unique(variants, axis=0, return_inverse=True)
+        found = [self.group_of(variant) for variant in distinct]
+        groups = np.asarray([-1 if group is None else group for group in found], dtype=np.int64)
+        return groups[index.reshape(-1)]
 
     def to_record(self) -> dict[str, Any]:
         """Return the JSON form, made to be read and edited by people."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
 from surmount.core.run_layout import ARMS, SCHEMA
@@ -14,6 +14,7 @@ from surmount.core.trials import Trials
 from surmount.experiment.graph import StageContext
 from surmount.experiment.stages import CURRICULUM, pooled_trials
 from surmount.stats import (
+    Bootstrap,
     bootstrap_interval,
     difference_interval,
     kaplan_meier,
@@ -67,16 +68,9 @@ def compare(context: StageContext) -> None:
     )
 
 
-def groups_of(trials: Trials, curriculum: Curriculum) -> IntArray:
-    """Return the index of each trial's group, shape ``(trial,)``; −1 for variants of none."""
-    variants, index = trials.variants()
-    groups = [curriculum.group_of(variant) for variant in variants]
-    return np.array([-1 if group is None else group for group in groups], dtype=np.int64)[index]
-
-
 def in_group(trials: Trials, curriculum: Curriculum, group: int) -> Trials:
     """Return the trials on the variants of one group."""
-    return trials.select(groups_of(trials, curriculum) == group)
+    return trials.select(curriculum.groups_of(trials.variant) == group)
 
 
 def success_of(trials: Trials) -> Record:
@@ -139,7 +133,7 @@ def compare_paths(arms: dict[str, Trials], curriculum: Curriculum, path: str) ->
     for arm, trials in arms.items():
         won = trials.success
         columns[path].append(trials.path_length(path)[won])
-        columns["group"].append(np.array(names)[groups_of(trials, curriculum)[won]])
+        columns["group"].append(np.array(names)[curriculum.groups_of(trials.variant)[won]])
         columns["method"].append(np.full(int(won.sum()), arm))
         columns["network"].append(trials.network[won])
     return mixed_model(
@@ -161,14 +155,15 @@ def compare_networks(arms: dict[str, Trials], seed: int) -> Record:
     """
     scores = {arm: success_matrix(trials) for arm, trials in arms.items()}
     first, second = scores[ARMS[0]], scores[ARMS[1]]
+    bootstrap = Bootstrap(seed=seed)
     return {
         "interquartile_mean": {
-            arm: bootstrap_interval(matrix, seed=seed).to_record() for arm, matrix in scores.items()
+            arm: bootstrap_interval(matrix, bootstrap).to_record() for arm, matrix in scores.items()
         },
         "mean_difference": network_difference(first, second, paired=True).to_record(),
-        "difference": difference_interval(first, second, paired=True, seed=seed).to_record(),
+        "difference": difference_interval(first, second, bootstrap, paired=True).to_record(),
         "probability_of_improvement": probability_of_improvement(
-            first, second, paired=True, seed=seed
+            first, second, bootstrap, paired=True
         ).to_record(),
     }
 

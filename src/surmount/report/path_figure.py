@@ -117,7 +117,7 @@ def path_lengths(curriculum: Curriculum, tests: Mapping[str, Outcomes]) -> Figur
 
 
 def _boxes(outcomes: Outcomes, curriculum: Curriculum, path: str) -> list[Box | None]:
-    groups, lengths = outcomes.groups(curriculum), outcomes.path_lengths[path]
+    groups, lengths = curriculum.groups_of(outcomes.variant), outcomes.path_lengths[path]
     found: list[Box | None] = []
     for group in range(len(curriculum.groups)):
         values = lengths[outcomes.success & (groups == group)]
@@ -278,7 +278,7 @@ def _data(
     for arm in arms:
         outcomes = tests[arm]
         won = np.flatnonzero(outcomes.success)
-        groups = outcomes.groups(curriculum)[won].tolist()
+        groups = curriculum.groups_of(outcomes.variant)[won].tolist()
         columns["arm"] += [arm] * won.size
         columns["group"] += [None if i < 0 else curriculum.groups[i].name for i in groups]
         for index, name in enumerate(variants):

@@ -80,12 +80,6 @@ class Outcomes:
     success: BoolArray
     path_lengths: Mapping[str, FloatArray]
 
-    def groups(self, curriculum: Curriculum) -> IntArray:
-        """Return the group of each trial's variant, −1 where it has none, ``(trial,)``."""
-        variants, index = np.unique(self.variant, axis=0, return_inverse=True)
-        found = [curriculum.group_of(variant) for variant in variants]
-        return np.array([-1 if group is None else group for group in found])[index.reshape(-1)]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RunResults:

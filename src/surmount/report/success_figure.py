@@ -105,7 +105,7 @@ def _network_rates(tests: Mapping[str, Outcomes], curriculum: Curriculum) -> Dot
     """Return each network's success rate by what was learnt, one entry per group."""
     dots: dict[str, list[dict[int, float]]] = {}
     for kind, outcomes in tests.items():
-        groups = outcomes.groups(curriculum)
+        groups = curriculum.groups_of(outcomes.variant)
         dots[kind] = [
             {
                 int(network): float(

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.differences import NetworkDifference, network_difference
 from surmount.stats.evidence import (
-    PerformanceProfile,
     SeedInterval,
     bootstrap_interval,
     difference_interval,
     interquartile_mean,
-    performance_profile,
     probability_of_improvement,
 )
 from surmount.stats.logrank import LogRank, log_rank
 from surmount.stats.mixed import CellMean, Interaction, MethodContrast, MixedModel, mixed_model
+from surmount.stats.profile import PerformanceProfile, performance_profile
 from surmount.stats.proportions import (
     ProportionIntervals,
     ProportionTest,
@@ -25,6 +25,7 @@ from surmount.stats.survival import KaplanMeier, kaplan_meier
 from surmount.stats.thresholds import StepsToThreshold, steps_to_threshold
 
 __all__ = [
+    "Bootstrap",
     "CellMean",
     "Interaction",
     "JsonValue",

@@ -7,41 +7,22 @@ Agarwal et al., "Deep reinforcement learning at the edge of the statistical prec
 benchmarks where each task has its own runs. Here one network is tested on all variants, so its
 row of scores is kept whole, and only strata with networks of their own (obstacles) are redrawn
 independently.
-
-Percentile intervals from few networks are too narrow: of nominal 95 % intervals of a normal mean,
-about 73, 83 and 90 % cover it with 3, 5 and 10 networks, and they have no width at all where all
-networks score alike. For a difference of means, :func:`surmount.stats.network_difference` keeps
-its level.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from surmount.core.arrays import FloatArray
-from surmount.core.seeds import generator
-from surmount.stats.columns import numbers
+from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.result import Result
-from surmount.stats.strata import (
-    Scores,
-    drawn,
-    flat,
-    percentile_limits,
-    read_strata,
-    read_two_arms,
-    require_resampling,
-    sizes,
-    too_few,
-)
+from surmount.stats.strata import Scores, drawn, flat, read_strata, read_two_arms, sizes, too_few
 
 Statistic = Callable[[FloatArray], float]
 """A summary of all scores, given as one flat array of shape ``(score,)``."""
-
-RESAMPLES = 2000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,30 +52,6 @@ class SeedInterval(Result):
     reason: str | None
 
 
-@dataclass(frozen=True, kw_only=True)
-class PerformanceProfile(Result):
-    """Share of (network, variant) pairs that score above each threshold.
-
-    Attributes
-    ----------
-    thresholds, share
-        Thresholds, and the share of scores strictly above each.
-    lower, upper
-        Pointwise limits over networks, ``None`` throughout where undefined.
-    confidence, resamples, n_networks, reason
-        As in :class:`SeedInterval`.
-    """
-
-    thresholds: tuple[float, ...]
-    share: tuple[float, ...]
-    lower: tuple[float | None, ...]
-    upper: tuple[float | None, ...]
-    confidence: float
-    resamples: int
-    n_networks: tuple[int, ...]
-    reason: str | None
-
-
 def interquartile_mean(scores: Scores) -> float:
     """Return the mean of the middle half: a quarter of the scores, rounded down, is cut each side.
 
@@ -111,37 +68,26 @@ def interquartile_mean(scores: Scores) -> float:
 def _interval(
     estimate: float,
     draw: Callable[[np.random.Generator], float],
-    arms: Sequence[Mapping[str, FloatArray]],
-    *,
-    confidence: float,
-    resamples: int,
-    seed: int,
+    bootstrap: Bootstrap,
+    *arms: Mapping[str, FloatArray],
 ) -> SeedInterval:
-    require_resampling(confidence, resamples)
     reason = too_few(*arms)
     lower = upper = None
     if reason is None:
-        rng = generator(seed, "stats", "bootstrap")
-        low, high = percentile_limits(np.array([draw(rng) for _ in range(resamples)]), confidence)
-        lower, upper = float(low), float(high)
+        lower, upper = (float(limit) for limit in bootstrap.limits(draw))
     return SeedInterval(
         estimate=estimate,
         lower=lower,
         upper=upper,
-        confidence=confidence,
-        resamples=resamples,
+        confidence=bootstrap.confidence,
+        resamples=bootstrap.resamples,
         n_networks=sizes(*arms),
         reason=reason,
     )
 
 
 def bootstrap_interval(
-    scores: Scores,
-    *,
-    seed: int,
-    statistic: Statistic = interquartile_mean,
-    confidence: float = 0.95,
-    resamples: int = RESAMPLES,
+    scores: Scores, bootstrap: Bootstrap, *, statistic: Statistic = interquartile_mean
 ) -> SeedInterval:
     """Estimate a summary of scores with a stratified bootstrap interval over networks.
 
@@ -150,33 +96,27 @@ def bootstrap_interval(
     scores
         One row per network and one column per variant; a mapping of such arrays where strata,
         for example obstacles, have networks of their own.
-    seed
-        Root seed of the resampling.
+    bootstrap
+        How networks are redrawn.
     statistic
         Summary of all scores together, a flat array.
-    confidence, resamples
-        Confidence level and number of resamples.
     """
     strata = read_strata(scores, "scores")
     return _interval(
         statistic(flat(strata, None)),
         lambda rng: statistic(flat(strata, drawn(strata, rng))),
-        [strata],
-        confidence=confidence,
-        resamples=resamples,
-        seed=seed,
+        bootstrap,
+        strata,
     )
 
 
 def difference_interval(
     first: Scores,
     second: Scores,
+    bootstrap: Bootstrap,
     *,
     paired: bool,
-    seed: int,
     statistic: Statistic = interquartile_mean,
-    confidence: float = 0.95,
-    resamples: int = RESAMPLES,
 ) -> SeedInterval:
     """Estimate the difference of a summary between two arms, first minus second.
 
@@ -187,7 +127,7 @@ def difference_interval(
     paired
         Whether row i of both arms grew from the same initial network (as in the paper); the
         pairs are then redrawn together.
-    seed, statistic, confidence, resamples
+    bootstrap, statistic
         As in :func:`bootstrap_interval`.
     """
     one, two = read_two_arms(first, second, paired=paired)
@@ -200,21 +140,14 @@ def difference_interval(
     return _interval(
         statistic(flat(one, None)) - statistic(flat(two, None)),
         draw,
-        [one, two],
-        confidence=confidence,
-        resamples=resamples,
-        seed=seed,
+        bootstrap,
+        one,
+        two,
     )
 
 
 def probability_of_improvement(
-    first: Scores,
-    second: Scores,
-    *,
-    paired: bool,
-    seed: int,
-    confidence: float = 0.95,
-    resamples: int = RESAMPLES,
+    first: Scores, second: Scores, bootstrap: Bootstrap, *, paired: bool
 ) -> SeedInterval:
     """Estimate how probably a network of the first arm beats one of the second on a variant.
 
@@ -225,7 +158,7 @@ def probability_of_improvement(
     ----------
     first, second, paired
         As in :func:`difference_interval`; pairing changes the interval only.
-    seed, confidence, resamples
+    bootstrap
         As in :func:`bootstrap_interval`.
     """
     one, two = read_two_arms(first, second, paired=paired)
@@ -241,64 +174,12 @@ def probability_of_improvement(
     return _interval(
         float(np.average([float(matrix.mean()) for matrix in wins.values()], weights=weights)),
         draw,
-        [one, two],
-        confidence=confidence,
-        resamples=resamples,
-        seed=seed,
+        bootstrap,
+        one,
+        two,
     )
 
 
 def _wins(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return the share of variants won by each network against each, ``(network, network)``."""
     return (0.5 + 0.5 * np.sign(first[:, None, :] - second[None, :, :])).mean(axis=2)
-
-
-def performance_profile(
-    scores: Scores,
-    thresholds: npt.ArrayLike,
-    *,
-    seed: int,
-    confidence: float = 0.95,
-    resamples: int = RESAMPLES,
-) -> PerformanceProfile:
-    """Return the share of scores above each threshold, with pointwise limits over networks.
-
-    Parameters
-    ----------
-    scores
-        As in :func:`bootstrap_interval`.
-    thresholds
-        Scores to exceed, shape ``(threshold,)``.
-    seed, confidence, resamples
-        As in :func:`bootstrap_interval`.
-    """
-    require_resampling(confidence, resamples)
-    strata = read_strata(scores, "scores")
-    heights = numbers(thresholds, "thresholds")
-    above = {  # variants above each threshold, by network: (network, threshold)
-        key: (matrix[:, :, None] > heights).sum(axis=1, dtype=np.float64)
-        for key, matrix in strata.items()
-    }
-    count = sum(matrix.size for matrix in strata.values())
-    reason = too_few(strata)
-    lower: tuple[float | None, ...] = (None,) * heights.size
-    upper = lower
-    if reason is None:
-        rng = generator(seed, "stats", "bootstrap")
-        draws = np.zeros((resamples, heights.size))
-        for index in range(resamples):
-            rows = drawn(strata, rng)
-            draws[index] = sum(matrix[rows[key]].sum(axis=0) for key, matrix in above.items())
-        low, high = percentile_limits(draws / count, confidence)
-        lower, upper = tuple(low.tolist()), tuple(high.tolist())
-    share = np.sum([matrix.sum(axis=0) for matrix in above.values()], axis=0) / count
-    return PerformanceProfile(
-        thresholds=tuple(heights.tolist()),
-        share=tuple(share.tolist()),
-        lower=lower,
-        upper=upper,
-        confidence=confidence,
-        resamples=resamples,
-        n_networks=sizes(strata),
-        reason=reason,
-    )

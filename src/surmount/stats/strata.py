@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
-from surmount.stats.columns import numbers, require_confidence
+from surmount.stats.columns import numbers
 
 Scores = npt.ArrayLike | Mapping[str, npt.ArrayLike]
 """Scores of shape ``(network, variant)`` or ``(network,)``, or one such array per stratum."""
@@ -63,23 +63,6 @@ def flat(strata: Mapping[str, FloatArray], rows: Mapping[str, IntArray] | None) 
     """Return all scores, or those of the networks drawn, as one array of shape ``(score,)``."""
     parts = [matrix if rows is None else matrix[rows[key]] for key, matrix in strata.items()]
     return np.concatenate([part.ravel() for part in parts])
-
-
-def percentile_limits(values: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:
-    """Return percentile limits over the first axis, ``(resample, …)``."""
-    tail = (1 - confidence) / 2
-    low, high = np.quantile(values, [tail, 1 - tail], axis=0)
-    return low, high
-
-
-def require_resampling(confidence: float, resamples: int) -> None:
-    """Raise unless an interval of that level can be read off so many resamples."""
-    require_confidence(confidence)
-    if resamples < 100:
-        raise InputError(
-            f"{resamples} bootstrap resamples say nothing about the ends of an interval.",
-            remedy="Ask for at least 100.",
-        )
 
 
 def read_two_arms(
