@@ -253,7 +253,8 @@ def test_speed_command_is_limited_to_a_quarter_metre_a_second_and_one_metre_a_se
 def test_tyres_roll_without_slip_when_the_robot_accelerates_within_its_friction():
     # 1 m/s² needs a tenth of the friction. An implicit damper on too light a wheel would break
     # this: contacts would not feel it.
-    env = ObstacleVectorEnv("low-entrance", 1, autoreset_mode=AutoresetMode.DISABLED)
+    config = EnvConfig(decision_interval_s=0.02)
+    env = ObstacleVectorEnv("low-entrance", 1, config=config, autoreset_mode=AutoresetMode.DISABLED)
     env.reset(seed=0, options={"variant": 140, "start": "fixed"})
     for _ in range(25):
         env.step(np.zeros((1, 3)))  # settle

@@ -24,7 +24,7 @@ def test_default_decisions_and_cap_are_whole_ticks_and_steps():
     ("make", "field"),
     [
         (lambda: EnvConfig(decision_interval_s=0.012), "decision_interval_s"),
-        (lambda: EnvConfig(episode_s=0.01), "episode_s"),
+        (lambda: EnvConfig(episode_s=0.005), "episode_s"),
         (lambda: EnvConfig(decision_interval_s=float("nan")), "decision_interval_s"),
         (lambda: CourseConfig(target_m=1.0), "floor_front_m"),
         (lambda: CourseConfig(floor_half_width_m=-1.0), "floor_half_width_m"),

@@ -63,7 +63,7 @@ def test_a_manoeuvre_plays_the_same_in_the_search_and_in_the_environment():
             break
     assert trials.success[0]
     assert infos["is_success"][0]
-    assert trials.time_s[0] == pytest.approx((step + 1) * 0.02, abs=1e-9)
+    assert trials.time_s[0] == pytest.approx((step + 1) * config.decision_interval_s, abs=1e-9)
 
 
 def test_the_search_opens_a_channel_that_the_start_pose_does_not_fit():

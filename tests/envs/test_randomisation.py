@@ -36,7 +36,7 @@ FIXED = {"start": "fixed"}
 
 
 def course(name="low-entrance", num_envs=1, mode=AutoresetMode.DISABLED, **randomisation):
-    config = EnvConfig(randomisation=RandomisationConfig(**randomisation))
+    config = EnvConfig(decision_interval_s=0.02, randomisation=RandomisationConfig(**randomisation))
     env = ObstacleVectorEnv(name, num_envs, config=config, autoreset_mode=mode)
     env.reset(seed=0, options={**FIXED, "variant": find_obstacle(name).upper})
     return env

@@ -9,6 +9,8 @@ from surmount.robot import RobotConfig
 
 IDS = [obstacle.gym_id for obstacle in OBSTACLES.values()]
 FIXED = {"start": "fixed"}
+SLOWER = EnvConfig(decision_interval_s=0.02)
+"""Fifty decisions a second, 1,000 an episode."""
 
 
 @pytest.mark.parametrize("gym_id", IDS)
@@ -30,7 +32,7 @@ def test_observations_are_the_documented_terms_in_the_documented_units():
 
 
 def test_rewards_of_a_standing_robot_are_those_of_eq_6():
-    env = ObstacleEnv("step")
+    env = ObstacleEnv("step", config=SLOWER)
     env.reset(seed=0, options={"variant": 30, **FIXED})
     for _ in range(50):
         _, reward, _, _, info = env.step(np.zeros(3))
@@ -70,7 +72,7 @@ def test_the_same_seed_and_actions_give_the_same_bits_and_another_seed_does_not(
 def test_actions_are_speed_fbem_and_sprawl_in_this_order():
     moved = []
     for action in np.eye(3):
-        env = ObstacleEnv("step")
+        env = ObstacleEnv("step", config=SLOWER)
         before, _ = env.reset(seed=0, options={"variant": 30, **FIXED})
         for _ in range(10):
             after, _, _, _, _ = env.step(action)
@@ -84,7 +86,7 @@ def test_actions_are_speed_fbem_and_sprawl_in_this_order():
 
 
 def test_info_carries_the_papers_measures_of_a_trial():
-    env = ObstacleEnv("low-entrance")
+    env = ObstacleEnv("low-entrance", config=SLOWER)
     _, info = env.reset(seed=0, options={"variant": 140, **FIXED})
     assert info["variant"].tolist() == [140.0]
     assert (info["sprawl_path_deg"], info["fbem_path_deg"]) == (0.0, 0.0)
@@ -108,7 +110,7 @@ def test_info_carries_the_papers_measures_of_a_trial():
 
 
 def test_a_failed_trials_completion_time_is_the_cap():
-    env = ObstacleEnv("step", config=EnvConfig(episode_s=0.2))
+    env = ObstacleEnv("step", config=replace(SLOWER, episode_s=0.2))
     env.reset(seed=0, options={"variant": 30, **FIXED})
     for _ in range(10):
         _, _, terminated, truncated, info = env.step(np.zeros(3))

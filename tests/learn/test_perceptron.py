@@ -46,7 +46,7 @@ def test_frozen_networks_keep_their_weights_and_leave_their_inputs_alone():
     before = frozen(inputs)
     with torch.no_grad():
         for parameter in policy.parameters():
-            parameter += 0.1
+            parameter.add_(0.1)
     assert torch.equal(frozen(inputs), before)
     assert torch.equal(inputs, OBSERVATIONS)
     assert not torch.equal(networks.critic(inputs), before)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from surmount.analysis import AnalysisConfig
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
-from surmount.envs import OBSTACLES
+from surmount.envs import OBSTACLES, EnvConfig
 from surmount.experiment.config import ExperimentConfig
 from surmount.learn import LearnerConfig, RolloutConfig
 from surmount.teachers import AdvancementConfig
@@ -15,6 +15,9 @@ INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_0
 """Learning steps of the initiation (paper III-C)."""
 SMOKE_INITIAL_STEPS = {name: 15 * steps // 100 for name, steps in INITIAL_STEPS.items()}
 """15 % of the paper's: enough to learn to drive, not to master the obstacle."""
+
+SMOKE_DECISION_S = 0.02
+"""Twice the default: so few steps then reach far enough for the robot to learn to drive."""
 
 
 def preset(obstacle: str, scale: str) -> ExperimentConfig:
@@ -42,6 +45,7 @@ def preset(obstacle: str, scale: str) -> ExperimentConfig:
             networks=2,
             initial_steps=SMOKE_INITIAL_STEPS[obstacle],
             checkpoint_steps=20_000,
+            env=EnvConfig(decision_interval_s=SMOKE_DECISION_S),
             learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
             trials=RolloutConfig(repetitions=8),
             analysis=AnalysisConfig(max_components=12),

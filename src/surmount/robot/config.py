@@ -58,8 +58,8 @@ class RobotConfig:
     gear: Gear = "wheels"
     """Running gear: "wheels", "whegs" or "both"; the robot takes either or both (paper II)."""
     friction: float = 1.3
-    """Sliding friction of tyres and spokes against everything, coefficient: chosen by what the
-    mechanism can then do at all (ADR 20)."""
+    """Sliding friction of tyres and spokes against everything, coefficient; assumed, by what
+    the mechanism can then do at all (ADR 20)."""
     body_friction: float = 0.3
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
