@@ -8,8 +8,8 @@ from typing import Any, cast
 
 import numpy as np
 
+from surmount.core.run_folder import Record
 from surmount.core.run_layout import ARMS
-from surmount.report.run_folder import Record
 from surmount.stats import (
     Interaction,
     KaplanMeier,

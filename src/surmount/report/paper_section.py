@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from surmount.analysis import Analysis
+from surmount.core.run_folder import RunFolder
 from surmount.report.comparison import Comparison, GroupComparison, Success
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.paper import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
-from surmount.report.run_folder import RunFolder
 from surmount.report.text import UNDEFINED, counted, listed, number, percent, variant_range
 from surmount.report.verdicts import because, success_verdict, time_verdict
 

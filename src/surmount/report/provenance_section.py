@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
+from surmount.core.run_folder import RunFolder
 from surmount.report.document import Block, Column, Fold, Paragraph, Section, Table
-from surmount.report.run_folder import RunFolder
 from surmount.report.text import UNDEFINED, duration
 
 KEY_DIGITS = 12

@@ -15,13 +15,13 @@ from surmount.analysis import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
+from surmount.core.run_folder import RunFolder, open_run
 from surmount.core.run_layout import TRAININGS, TRIALS, read_run_record
 from surmount.core.store import Artefact
 from surmount.core.teacher import LevelTest
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials
 from surmount.report.comparison import Comparison, comparison_of
-from surmount.report.run_folder import RunFolder, open_run
 
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
@@ -112,7 +112,7 @@ def read_run(root: Path) -> RunResults:
     Raises
     ------
     SurmountError
-        As :func:`~surmount.report.run_folder.open_run`; an ``IntegrityError`` for every artefact
+        As :func:`~surmount.core.run_folder.open_run`; an ``IntegrityError`` for every artefact
         whose content does not fit its hash.
     """
     folder = open_run(root)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from surmount.analysis import Analysis
+from surmount.core.run_folder import RunFolder
 from surmount.report.document import Notice
 from surmount.report.results import RunResults
-from surmount.report.run_folder import RunFolder
 from surmount.report.text import (
     SPACE,
     counted,
