@@ -117,7 +117,7 @@ def test_help_names_every_verb(capsys):
         run(["--help"])
     assert ended.value.code == 0
     out = capsys.readouterr().out
-    for verb in ("reproduce", "analyze", "report", "show", "config"):
+    for verb in ("reproduce", "analyze", "report", "show", "render", "view", "config"):
         assert verb in out
 
 

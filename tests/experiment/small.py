@@ -6,7 +6,15 @@ from pathlib import Path
 
 from surmount.core.configuration import override
 from surmount.core.records import read_record
-from surmount.experiment import ExperimentConfig, begin, make_executor, preset, run
+from surmount.experiment import (
+    ExperimentConfig,
+    GraphRunner,
+    begin,
+    make_executor,
+    preset,
+    protocol,
+    run,
+)
 
 SMALL = {
     "networks": 2,
@@ -61,6 +69,15 @@ def run_small(root: Path, config: ExperimentConfig, processes: int = 0):
     finally:
         executor.close()
     return outcome, watcher
+
+
+def run_first_stages(root: Path, config: ExperimentConfig) -> Path:
+    """Train the first network and log its trials, and leave the run there."""
+    begin(root, config)
+    watcher = Watcher()
+    executor = make_executor(0, watcher.listen)
+    GraphRunner(root, protocol(config)[:2], executor, watcher).run()
+    return root
 
 
 def content(root: Path) -> dict[str, dict[str, str]]:

@@ -59,9 +59,11 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
     from surmount.cli.config import config  # noqa: PLC0415
     from surmount.cli.initiations import initiations  # noqa: PLC0415
     from surmount.cli.manoeuvres import manoeuvres  # noqa: PLC0415
+    from surmount.cli.render import render  # noqa: PLC0415
     from surmount.cli.report import report  # noqa: PLC0415
     from surmount.cli.reproduce import reproduce  # noqa: PLC0415
     from surmount.cli.show import show  # noqa: PLC0415
+    from surmount.cli.view import view  # noqa: PLC0415
 
     return tyro.extras.subcommand_cli_from_dict(
         {
@@ -69,6 +71,8 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
             "analyze": analyze,
             "report": report,
             "show": show,
+            "render": render,
+            "view": view,
             "capability": capability,
             "initiations": initiations,
             "manoeuvres": manoeuvres,

@@ -16,6 +16,8 @@ EXTRAS = {
     "jinja2": "report",
     "plotly": "report",
     "matplotlib": "report",
+    "av": "video",
+    "PIL": "video",
     "tyro": "cli",
     "rich": "cli",
 }

@@ -16,7 +16,20 @@ FLOOR_THICKNESS_M = 0.04
 """Thickness of the floor; nothing lies below."""
 
 CAMERA = "track"
-"""Name of the camera that follows the robot."""
+"""Name of the usual camera."""
+
+_DIAGONAL = ((-0.36, -0.56, 0.22), (0.84, -0.54, 0.0, 0.193, 0.300, 0.934), 36.0)
+CAMERAS = {
+    CAMERA: _DIAGONAL,
+    "side": ((0.0, -0.62, 0.06), (1.0, 0.0, 0.0, 0.0, 0.096, 0.995), 40.0),
+    "front": ((0.62, 0.0, 0.30), (0.0, 1.0, 0.0, -0.436, 0.0, 0.900), 38.0),
+    "top": ((0.0, 0.0, 0.75), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0), 42.0),
+}
+"""Cameras that go along with the robot, by name: position relative to its base in m, image axes
+right and up, vertical field of view in degrees."""
+
+COURSE_CAMERA = "course"
+"""Name of the camera that stands still and shows the way from the start to the target."""
 
 
 def build_model(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjModel:
@@ -76,7 +89,7 @@ def _add_materials(spec: mujoco.MjSpec) -> None:
     floor.texrepeat = [10, 10]
     # Walls and lintel let the robot be seen through them.
     spec.add_material(name="obstacle", rgba=[0.30, 0.50, 0.68, 0.5], specular=0.2, shininess=0.3)
-    spec.add_material(name="post", rgba=[0.40, 0.43, 0.48, 1.0], specular=0.2, shininess=0.3)
+    spec.add_material(name="post", rgba=[0.40, 0.43, 0.48, 0.6], specular=0.2, shininess=0.3)
     spec.add_material(name="target", rgba=[0.20, 0.62, 0.35, 1.0], specular=0.1)
 
 
@@ -142,7 +155,7 @@ def _add_target_line(spec: mujoco.MjSpec, config: EnvConfig) -> None:
 def _add_view(spec: mujoco.MjSpec) -> None:
     spec.visual.global_.offwidth = 1920
     spec.visual.global_.offheight = 1080
-    spec.visual.quality.shadowsize = 4096
+    spec.visual.quality.shadowsize = 2048
     spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
     spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
@@ -158,10 +171,17 @@ def _add_view(spec: mujoco.MjSpec) -> None:
         castshadow=True,
     )
     base = spec.body("base")
-    base.add_camera(
-        name=CAMERA,
-        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
-        pos=[-0.36, -0.56, 0.22],
-        xyaxes=[0.84, -0.54, 0.0, 0.193, 0.300, 0.934],
+    for name, (position_m, axes, field_deg) in CAMERAS.items():
+        base.add_camera(
+            name=name,
+            mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+            pos=position_m,
+            xyaxes=axes,
+            fovy=field_deg,
+        )
+    spec.worldbody.add_camera(
+        name=COURSE_CAMERA,
+        pos=[-0.34, -0.85, 0.42],
+        xyaxes=[0.93, -0.368, 0.0, 0.158, 0.399, 0.903],
         fovy=42,
     )

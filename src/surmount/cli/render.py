@@ -1,0 +1,74 @@
+"""``surmount render``: a film or a sheet of moments of a policy, a manoeuvre or logged trials."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import track
+
+from surmount.cli.showing import Shown, shown_motions
+from surmount.core.errors import ConfigError
+
+
+def render(
+    shown: tyro.conf.OmitArgPrefixes[Shown],
+    *,
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")],
+    camera: Annotated[str, tyro.conf.arg(metavar="{track,side,front,top,course}")] = "track",
+    size: Annotated[tuple[int, int], tyro.conf.arg(metavar="WIDTH HEIGHT")] = (640, 480),
+    fps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
+    speed: Annotated[float | None, tyro.conf.arg(metavar="FACTOR")] = None,
+    at: Annotated[tuple[float, ...], tyro.conf.arg(metavar="S ...")] = (),
+) -> int:
+    """Show the robot in a film (MP4, GIF) or on a sheet of moments (PNG); needs no display.
+
+    Args:
+        shown: What to show.
+        out: File to write; its suffix (.mp4, .gif, .png) says what it becomes.
+        camera: track, side, front and top go along with the robot; course stands still.
+        size: Width and height of a frame in pixels.
+        fps: Frames per second of a film; 25 if left out.
+        speed: Speed of a film against real time; 1 if left out, 0.25 is slow motion.
+        at: Moments on a sheet, in s; six from start to end if left out.
+    """
+    # The drawing needs an extra that other verbs do without.
+    from surmount.envs.film import FilmConfig, contact_sheet, count_frames, frames  # noqa: PLC0415
+    from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png  # noqa: PLC0415
+
+    check_output(out)
+    _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")
+    _refuse((fps, speed) if out.suffix == PICTURE else (), "--fps and --speed", "a picture")
+    film = FilmConfig(
+        width_px=size[0],
+        height_px=size[1],
+        camera=camera,
+        fps=25 if fps is None else fps,
+        speed=1.0 if speed is None else speed,
+    )
+    motions = shown_motions(shown)
+    if out.suffix == PICTURE:
+        sheet = contact_sheet(motions, film, at)
+        write_png(out, sheet)
+        what = f"{sheet.shape[1]} x {sheet.shape[0]} pixels"
+    else:
+        count = count_frames(motions, film)
+        console = Console(stderr=True)
+        hidden = not sys.stderr.isatty()
+        drawn = track(
+            frames(motions, film), "drawing", count, console=console, disable=hidden, transient=True
+        )
+        FILM_WRITERS[out.suffix](out, drawn, film.fps)
+        what = f"{count} frames, {count / film.fps:.1f} s, {size[0]} x {size[1]} pixels"
+    print(f"Written to {out}: {what}")
+    return 0
+
+
+def _refuse(given: Iterable[object], options: str, what: str) -> None:
+    """Raise if one of the options was given."""
+    if any(value is not None for value in given):
+        raise ConfigError(f"For {what}, {options} would do nothing.", remedy="Leave it out.")

@@ -1,0 +1,266 @@
+"""What a user asks to be shown, found and turned into motions.
+
+A *source* is the name of an obstacle (its stored manoeuvre), a run's output folder, a network, a
+table of trials, or a manoeuvre in a JSON file. Files that lie in a run's folder take obstacle and
+configuration from the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, cast
+
+from surmount.core.arrays import FloatArray
+from surmount.core.configuration import from_record, nearest, override
+from surmount.core.errors import ConfigError, InputError
+from surmount.core.records import read_record
+from surmount.core.run_folder import RunFolder, open_run
+from surmount.core.run_layout import ARMS, RUN, per_network
+from surmount.core.trial_table import read_trials
+from surmount.envs import OBSTACLES, EnvConfig, Obstacle, find_obstacle
+from surmount.envs.manoeuvre import Manoeuvre, Player
+from surmount.envs.motion import Motion, Pilot, record_motion, stand_still
+from surmount.envs.observations import Observations
+from surmount.envs.stored_manoeuvres import stored_manoeuvre
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.logged_trials import Log, logged_motion, run_log
+from surmount.experiment.policy_pilot import PolicyPilot
+from surmount.experiment.presets import preset
+from surmount.experiment.stages import NETWORK, TRIALS
+from surmount.learn import Snapshot
+
+STANDING_S = 2.0
+"""How long a robot is shown that stands still, in s."""
+NETWORK_SUFFIX, TABLE_SUFFIXES, MANOEUVRE_SUFFIX = ".safetensors", (".parquet", ".csv"), ".json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What to show; an option that does nothing for its source is refused, not ignored."""
+
+    source: str
+    """Name of an obstacle, or path of a run's folder, a network, a table or a manoeuvre."""
+    obstacle: str | None = None
+    """Obstacle of a file that lies in no run."""
+    stage: str | None = None
+    """Stage of a run's folder: one that trained, or one that logged trials."""
+    sizes_mm: tuple[float, ...] = ()
+    """Sizes of the obstacle in mm, one motion each; the hardest if none is given."""
+    trials: tuple[int, ...] = ()
+    """Numbers of logged trials, one motion each; 0 if none is given."""
+    network: int | None = None
+    """Network of a table of trials; its first if None."""
+    seed: int | None = None
+    """Seed of a policy's draws; 0 if None."""
+    deterministic: bool = False
+    """Let a policy act by its mean."""
+    standing: bool = False
+    """Let the robot stand at its start."""
+    changes: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """Overrides of the configuration, by dotted keys."""
+
+
+def motions(wanted: Wanted) -> Iterator[Motion]:
+    """Yield the motions that a user wants.
+
+    Raises
+    ------
+    ConfigError
+        If an option is missing, unknown, or does nothing for this source.
+    InputError
+        If a file or a size cannot be used, or a network does not fit.
+    OutputError
+        If a folder holds no run.
+    IntegrityError
+        If a run's file was changed after it was written.
+    """
+    path = Path(wanted.source)
+    if wanted.source in OBSTACLES:
+        return _by_script(wanted, None)
+    if path.is_dir():
+        return _of_run(wanted, open_run(path))
+    if not path.is_file():
+        near = nearest(wanted.source, [*OBSTACLES])
+        raise InputError(
+            f"`{wanted.source}` is neither an obstacle nor a file or folder.",
+            remedy=f"Give {', '.join(OBSTACLES)}, or a path that exists. {near}",
+        )
+    if path.suffix == NETWORK_SUFFIX:
+        return _by_network(wanted, path, *_home(path))
+    if path.suffix in TABLE_SUFFIXES:
+        return _logged(wanted, path, *_home(path))
+    if path.suffix == MANOEUVRE_SUFFIX:
+        return _by_script(wanted, path)
+    raise InputError(
+        f"{path} is no kind of file that can be shown.",
+        remedy=f"Give a network ({NETWORK_SUFFIX}), a table of trials "
+        f"({', '.join(TABLE_SUFFIXES)}), a manoeuvre ({MANOEUVRE_SUFFIX}) or a run's folder.",
+    )
+
+
+def hardest_mm(obstacle: Obstacle) -> float:
+    """Return the hardest size in mm: the highest step, the narrowest channel, the lowest lintel."""
+    return obstacle.upper if obstacle.name == "step" else obstacle.lower
+
+
+# Runs ------------------------------------------------------------------------------------------
+
+
+def _of_run(wanted: Wanted, run: RunFolder) -> Iterator[Motion]:
+    trained = [name for name in map(_first_network, (*ARMS, "initiation")) if name in run.stages]
+    stage = wanted.stage or next(iter(trained), "")
+    if stage not in run.stages:
+        finished = [name for name in run.stages if name.partition("/")[1]]
+        raise InputError(
+            f"The run in {run.root} has no finished stage `{stage}`."
+            if wanted.stage
+            else f"The run in {run.root} has trained no network yet.",
+            remedy=f"Finished are: {', '.join(finished) or 'none'}.",
+        )
+    artefact = run.stages[stage]
+    if NETWORK in artefact.files:
+        return _by_network(wanted, artefact.path(NETWORK), run, stage)
+    if TRIALS in artefact.files:
+        return _logged(wanted, artefact.path(TRIALS), run, stage)
+    raise InputError(
+        f"Stage `{stage}` holds neither a network nor trials.",
+        remedy=f"Name one that does, such as {_first_network('curriculum')}.",
+    )
+
+
+def _first_network(kind: str) -> str:
+    return per_network(kind, 0)
+
+
+def _home(path: Path) -> tuple[RunFolder | None, str]:
+    """Return the run that a file lies in, and the stage it belongs to."""
+    folder = path.resolve().parent
+    for root in folder.parents:
+        if (root / RUN).is_file():
+            run = open_run(root)
+            for name, artefact in run.stages.items():
+                if artefact.folder.resolve() == folder and path.name in artefact.files:
+                    artefact.path(path.name)  # checked against its hash
+                    return run, name
+            return run, ""
+    return None, ""
+
+
+# Kinds of sources ------------------------------------------------------------------------------
+
+
+def _by_script(wanted: Wanted, path: Path | None) -> Iterator[Motion]:
+    _refuse(wanted, "a manoeuvre", stage="--stage", trials="--trial", network="--network")
+    _refuse(wanted, "a manoeuvre", seed="--seed", deterministic="--deterministic")
+    if path is None:
+        _refuse(wanted, "the name of an obstacle", obstacle="--obstacle")
+    else:
+        _refuse(wanted, "a manoeuvre's file", standing="--stand")
+    obstacle, config = _course(wanted, None, wanted.source if path is None else wanted.obstacle)
+    for size_mm in wanted.sizes_mm or (hardest_mm(obstacle),):
+        if wanted.standing:
+            yield record_motion(
+                obstacle, config, size_mm, stand_still, caption="standing", longest_s=STANDING_S
+            )
+            continue
+        if path is None:
+            stored = stored_manoeuvre(obstacle.name, size_mm)
+            manoeuvre, caption = stored.manoeuvre, f"stored manoeuvre for {stored.size_mm:g} mm"
+        else:
+            manoeuvre, caption = _read_manoeuvre(path), f"manoeuvre {path.name}"
+        pilot = _script(Player([manoeuvre], config.decision_interval_s))
+        yield record_motion(obstacle, config, size_mm, pilot, caption=caption)
+
+
+def _script(player: Player) -> Pilot:
+    def act(_: Observations, x_m: FloatArray) -> FloatArray:
+        return player.act(x_m)
+
+    return act
+
+
+def _read_manoeuvre(path: Path) -> Manoeuvre:
+    """Read a manoeuvre from a file: an object with `phases`."""
+    phases = read_record(path).get("phases")
+    if not isinstance(phases, list):
+        raise InputError(
+            f"{path} holds no manoeuvre.",
+            remedy="Give an object with a list of `phases`, each with speed_mps, fbem_deg, "
+            "sprawl_deg, until_x_m and at_most_s.",
+        )
+    return Manoeuvre.from_record(cast("list[dict[str, Any]]", phases))
+
+
+def _by_network(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> Iterator[Motion]:
+    _refuse(wanted, "a network", trials="--trial", network="--network", standing="--stand")
+    obstacle, config = _course(wanted, run, wanted.obstacle)
+    network = Snapshot.load(path)
+    seed = wanted.seed or 0
+    for size_mm in wanted.sizes_mm or (hardest_mm(obstacle),):
+        pilot = PolicyPilot(network, obstacle, seed=seed, deterministic=wanted.deterministic)
+        drawn = "its mean actions" if wanted.deterministic else f"actions drawn by seed {seed}"
+        yield record_motion(
+            obstacle, config, size_mm, pilot, caption=f"{stage or path.name}, {drawn}"
+        )
+
+
+def _logged(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> Iterator[Motion]:
+    _refuse(wanted, "logged trials", seed="--seed", deterministic="--deterministic")
+    _refuse(wanted, "logged trials", standing="--stand")
+    table = read_trials(path)
+    if run is not None and stage:
+        _refuse(wanted, "trials of a run", changes="--set and --config")
+        _course(wanted, run, wanted.obstacle)
+        log = run_log(run, stage, table, str(path))
+    else:
+        obstacle, config = _course(wanted, run, wanted.obstacle)
+        if len(table.parameters) != 1:
+            raise InputError(
+                f"{path} has several task parameters: {', '.join(table.parameters)}.",
+                remedy="RSTAR's obstacles have one, their size in mm.",
+            )
+        log = Log(source=path.name, trials=table, obstacle=obstacle, config=config)
+    sizes = log.sizes_mm
+    default = sizes[-1] if log.obstacle.name == "step" else sizes[0]
+    for size_mm in wanted.sizes_mm or (float(default),):
+        for repetition in wanted.trials or (int(table.repetition.min()),):
+            yield logged_motion(log, log.find(size_mm, repetition, wanted.network))
+
+
+# Options ---------------------------------------------------------------------------------------
+
+
+def _course(wanted: Wanted, run: RunFolder | None, name: str | None) -> tuple[Obstacle, EnvConfig]:
+    """Return obstacle and configuration: the run's, or the defaults, with the user's changes."""
+    if run is not None:
+        base = from_record(ExperimentConfig, run.config)
+        if name not in (None, base.obstacle):
+            raise ConfigError(
+                f"{wanted.source} belongs to a run on {base.obstacle}, not on {name}.",
+                remedy="Leave the obstacle out.",
+            )
+    else:
+        name = name or wanted.changes.get("obstacle")
+        if name is None:
+            raise ConfigError(
+                f"{wanted.source} lies in no run and does not say which obstacle it belongs to.",
+                remedy=f"Give --obstacle {', '.join(OBSTACLES)}.",
+            )
+        base = preset(name, "smoke")
+    chosen = override(base, wanted.changes)
+    if chosen.obstacle != base.obstacle:
+        raise ConfigError(
+            f"The configuration is for {chosen.obstacle}, not for {base.obstacle}.",
+            remedy="Give the configuration of this obstacle, or leave the obstacle out.",
+        )
+    return find_obstacle(chosen.obstacle), chosen.env
+
+
+def _refuse(wanted: Wanted, what: str, **options: str) -> None:
+    """Raise if one of the fields, by the option that sets it, was given."""
+    unset = Wanted(source=wanted.source)
+    for name, option in options.items():
+        if getattr(wanted, name) != getattr(unset, name):
+            raise ConfigError(f"With {what}, {option} would do nothing.", remedy="Leave it out.")

@@ -1,0 +1,148 @@
+"""Logged trials as motions: simulated again where their run is at hand, else drawn from the log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surmount.core.arrays import FloatArray
+from surmount.core.configuration import from_record
+from surmount.core.errors import InputError
+from surmount.core.run_folder import RunFolder
+from surmount.core.trials import Trials
+from surmount.envs import EnvConfig, Obstacle, find_obstacle
+from surmount.envs.motion import Motion, record_motion
+from surmount.envs.replay import CAPTION, logged_features, replay_log
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.graph import Stage
+from surmount.experiment.policy_pilot import PolicyPilot
+from surmount.experiment.protocol import protocol
+from surmount.experiment.stages import NETWORK, run_trials
+from surmount.learn import RolloutConfig, Snapshot
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Log:
+    """A table of trials on one of RSTAR's obstacles.
+
+    Attributes
+    ----------
+    source
+        How errors name the table.
+    trials
+        The trials.
+    obstacle, config
+        Family and configuration.
+    run, stage
+        The run and the name of its stage that wrote the table, where known.
+    """
+
+    source: str
+    trials: Trials
+    obstacle: Obstacle
+    config: EnvConfig
+    run: RunFolder | None = None
+    stage: str = ""
+
+    @property
+    def sizes_mm(self) -> FloatArray:
+        """Sizes with trials, ascending, shape ``(variant,)``."""
+        return self.trials.variants()[0][:, 0]
+
+    def find(self, size_mm: float, repetition: int, network: int | None) -> int:
+        """Return the index of a trial; of the first network if none is named.
+
+        Raises
+        ------
+        InputError
+            If there is no such trial.
+        """
+        trials = self.trials
+        wanted = int(trials.network.min()) if network is None else network
+        found = np.isclose(trials.variant[:, 0], size_mm, rtol=0.0, atol=1e-9)
+        found &= (trials.repetition == repetition) & (trials.network == wanted)
+        if not found.any():
+            sizes, numbers = self.sizes_mm, np.unique(trials.repetition)
+            raise InputError(
+                f"{self.source} has no trial {repetition} of network {wanted} on {size_mm:g} mm.",
+                remedy=f"It holds {sizes.size} sizes from {sizes[0]:g} to {sizes[-1]:g} mm, trials "
+                f"{numbers[0]} to {numbers[-1]}, networks "
+                f"{', '.join(map(str, np.unique(trials.network).tolist()))}.",
+            )
+        return int(found.argmax())
+
+
+def logged_motion(log: Log, trial: int) -> Motion:
+    """Return the motion of a logged trial.
+
+    A trial of a run is simulated again, with the same network, seed and noise. It is shown if its
+    features equal the log to the last bit. Other trials are drawn from the log, and the caption
+    says so.
+
+    Parameters
+    ----------
+    log
+        The table.
+    trial
+        Index of a trial in it.
+    """
+    features = logged_features(log.trials, trial)
+    size_mm = float(log.trials.variant[trial, 0])
+    name = f"trial {log.trials.repetition[trial]} of {log.stage or log.source}"
+    again = _simulated(log, trial, size_mm)
+    if again is not None and np.array_equal(again.features, features):
+        return replace(again, caption=f"{name}, simulated again: equal to its log")
+    success = bool(log.trials.success[trial])
+    drawn = replay_log(log.obstacle, log.config, size_mm, features, success=success)
+    reason = "" if again is None else f"; simulated again, it departs {_departure(again, features)}"
+    return replace(drawn, caption=f"{name}, {CAPTION}{reason}")
+
+
+def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
+    """Return a trial simulated again, or None where what it was made with is not at hand."""
+    run = log.run
+    stage = None if run is None else _definition(run, log.stage)
+    if run is None or stage is None:
+        return None
+    made = run.stages.get(stage.inputs["network"][0])
+    rollout = from_record(RolloutConfig, stage.config["trials"])
+    if made is None or log.trials.n_trials != log.sizes_mm.size * rollout.repetitions:
+        return None
+    pilot = PolicyPilot(
+        Snapshot.load(made.path(NETWORK)),
+        log.obstacle,
+        seed=stage.seed,
+        deterministic=rollout.deterministic,
+        trials=log.trials.n_trials,
+        trial=trial,
+    )
+    return record_motion(log.obstacle, log.config, size_mm, pilot, caption="")
+
+
+def _definition(run: RunFolder, name: str) -> Stage | None:
+    """Return the stage of roll-outs as the run's protocol defines it."""
+    stages = protocol(from_record(ExperimentConfig, run.config))
+    found = (stage for stage in stages if stage.name == name and stage.function is run_trials)
+    return next(found, None)
+
+
+def _departure(motion: Motion, features: FloatArray) -> str:
+    """Return when a motion departs from a log."""
+    common = min(len(features), len(motion.features))
+    differs = (motion.features[:common] != features[:common]).any(axis=1)
+    row = int(differs.argmax()) if differs.any() else common - 1
+    return f"after {features[row, 0]:.2f} s"
+
+
+def run_log(run: RunFolder, stage: str, trials: Trials, source: str) -> Log:
+    """Return the trials that a stage of a run logged."""
+    config = from_record(ExperimentConfig, run.config)
+    return Log(
+        source=source,
+        trials=trials,
+        obstacle=find_obstacle(config.obstacle),
+        config=config.env,
+        run=run,
+        stage=stage,
+    )
