@@ -15,8 +15,8 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.core.trials import Trials
 from surmount.envs.config import CourseConfig, EnvConfig
+from surmount.envs.measures import FEATURE_NAMES
 from surmount.envs.motion import Motion
-from surmount.envs.observations import FEATURE_NAMES
 from surmount.envs.obstacles import Obstacle
 from surmount.envs.simulation import Simulation
 from surmount.envs.starts import Start
