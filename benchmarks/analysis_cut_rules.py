@@ -43,7 +43,18 @@ KINDS = {
     "transition": "2-3 runs of 5-15 variants and 2-6 between them on which each trial takes either "
     "behaviour; stuck in the last; 8-30 trials",
     "networks differ": "the same, the two networks' boundaries 1-4 variants apart",
+    "own behaviours": "plain, the second network with behaviours of its own",
+    "one network": "the same, but the second network never changes",
+    "own transitions": "networks differ, each with behaviours of its own",
+    "one transition": "transition, but the second network, with its own behaviour, never changes",
 }
+BASES = {
+    "own behaviours": "plain",
+    "one network": "plain",
+    "own transitions": "networks differ",
+    "one transition": "transition",
+}
+"""Kinds that change a family of another kind."""
 
 
 def below(statistic):
@@ -111,6 +122,10 @@ RULES = {
 
 
 def family(kind, rng):
+    if kind in BASES:
+        base = family(BASES[kind], rng)
+        steady = kind.startswith("one")
+        return dataclasses.replace(base, own_behaviours=True, steady_network=steady)
     seed = int(rng.integers(2**31))
     if kind == "stuck":
         return SyntheticFamily(

@@ -22,7 +22,7 @@ from scipy.stats import spearmanr
 
 from surmount import AnalysisConfig, Trials, determine_curriculum, read_trials
 from surmount.analysis.agreement import adjusted_rand
-from surmount.analysis.explanation import describe_variants
+from surmount.analysis.description import describe_variants
 from surmount.analysis.sensitivity import group_variants
 
 PAPER = ("time_s", "sprawl_deg", "fbem_deg", "distance_m")

@@ -6,14 +6,12 @@ Two networks try every variant. *Pooled* (the paper): one mixture per variant ov
 both. Otherwise a mixture per variant and network, and the networks' distances D of two variants
 combined: *mean*, of D² (D² of the joint distribution of network and behaviour); *product*,
 1 - D² the geometric mean of the networks' 1 - D² (from the product of their distributions);
-*largest*. Families of the kinds of analysis_cut_rules.py, and four more in which networks have
-behaviours of their own; 8 components, the cut rule `abrupt` at several cut-offs, small groups
-merged; adjusted Rand index as there.
+*largest*. Families of the kinds of analysis_cut_rules.py; 8 components, the cut rule `abrupt` at
+several cut-offs, small groups merged; adjusted Rand index as there.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import sys
 
 import numpy as np
@@ -23,26 +21,8 @@ from surmount import AnalysisConfig, hellinger_matrix
 from surmount.analysis.features import variant_samples
 from surmount.analysis.fitting import Prepared, mixture_of
 
-OWN = {
-    "own behaviours": "plain, and the second network has behaviours of its own",
-    "one network": "plain, but the second network, with a behaviour of its own, never changes",
-    "own transitions": "networks differ, each with behaviours of its own",
-    "one transition": "transition, own behaviours, but the second network never changes",
-}
 CUT_OFFS = (1.4, 1.5, 1.6, 1.7, 1.8)
 CONFIG = AnalysisConfig(components=8, restarts=1, max_samples=2_000)
-
-
-def case(kind, rng):
-    """Return a family; the additional kinds are changes of known ones."""
-    if kind not in OWN:
-        return family(kind, rng)
-    base = {"own transitions": "networks differ", "one transition": "transition"}.get(kind, "plain")
-    return dataclasses.replace(
-        family(base, rng),
-        own_behaviours=True,
-        steady_network=kind.startswith("one"),
-    )
 
 
 def fitted(data, keep):
@@ -70,23 +50,22 @@ def matrices(trials):
 
 def main():
     n_families = int(sys.argv[1]) if len(sys.argv) > 1 else 20
-    kinds = [*KINDS, *OWN]
     found = {}
-    for number, kind in enumerate(kinds):
+    for number, kind in enumerate(KINDS):
         rng = np.random.default_rng([20_251, number])
         for _ in range(n_families):
-            one = case(kind, rng)
+            one = family(kind, rng)
             for name, matrix in matrices(one.generate()).items():
                 found.setdefault(name, {}).setdefault(kind, []).append((one, matrix))
         print(kind, file=sys.stderr, flush=True)
     print(
         f"{n_families} families of each kind; mean adjusted Rand index of all, and of each kind.\n"
     )
-    print("| distances | cut-off | all | " + " | ".join(kinds) + " |")
-    print("|---|---|---|" + "---|" * len(kinds))
+    print("| distances | cut-off | all | " + " | ".join(KINDS) + " |")
+    print("|---|---|---|" + "---|" * len(KINDS))
     for name, by_kind in found.items():
         for cut_off in CUT_OFFS:
-            means = [scores(by_kind[kind], {"cut_off": cut_off}).mean() for kind in kinds]
+            means = [scores(by_kind[kind], {"cut_off": cut_off}).mean() for kind in KINDS]
             cells = [f"{mean:.2f}" for mean in means]
             print(f"| {name} | {cut_off} | {np.mean(means):.3f} | " + " | ".join(cells) + " |")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from surmount import Analysis, AnalysisConfig, determine_curriculum, hellinger
 from surmount.analysis import describe_curriculum, explain_analysis
 from surmount.analysis.sensitivity import marginal
-from surmount.analysis.stability import resampled
+from surmount.analysis.stability import Stability, resampled
 from surmount.analysis.synthetic import SyntheticFamily
 
 from .strategies import random_mixture
@@ -65,8 +66,41 @@ def test_sensitivity_names_each_choice_and_judges_it_by_agreement(analysis: Anal
     assert rows["linkage", "ward"].agreement == 1.0
     assert rows["features", "without time_s"].n_groups == 2
     assert {row.choice for row in analysis.sensitivity} == {
-        "linkage", "cut-off", "cut", "small groups", "features", "components",
+        "linkage", "cut-off", "cut", "small groups", "features", "components", "networks",
     }  # fmt: skip
+
+
+def test_a_boundary_of_one_network_shows_where_this_network_is_by_itself():
+    family = dataclasses.replace(CLEAR, own_behaviours=True, steady_network=True)
+    found = determine_curriculum(family.generate(), CONFIG)
+    alone = {row.value: row.n_groups for row in found.sensitivity if row.choice == "networks"}
+    assert alone == {"only 0": 2, "only 1": 1}
+
+
+def test_shares_of_groups_are_means_over_pairs_of_variants():
+    rng = np.random.default_rng(3)
+    labels = np.array([0, 0, 1, 2, 1, 0, 1])
+    square = rng.random((7, 7))
+    stability = Stability(
+        replicates=5,
+        co_membership=(square + square.T) / 2,
+        group_counts=((3, 1.0),),
+        same_count=1.0,
+        boundaries=np.ones(6),
+        agreement=1.0,
+    )
+    within = {0: [], 1: [], 2: []}
+    between = {(a, b): [] for a in range(3) for b in range(3) if a != b}
+    for i, j in itertools.permutations(range(7), 2):
+        shared = stability.co_membership[i, j]
+        if labels[i] == labels[j]:
+            within[labels[i]].append(shared)
+        else:
+            between[labels[i], labels[j]].append(shared)
+    together = [np.mean(within[group] or [1.0]) for group in range(3)]
+    apart = [1 - max(np.mean(between[a, b]) for b in range(3) if b != a) for a in range(3)]
+    np.testing.assert_allclose(stability.together(labels), together, rtol=1e-12)
+    np.testing.assert_allclose(stability.apart(labels), apart, rtol=1e-12)
 
 
 def test_marginal_mixture_is_the_mixture_of_the_remaining_features():

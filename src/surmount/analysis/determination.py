@@ -15,6 +15,7 @@ from surmount.analysis.fitting import Prepared, affordable_components, bic_curve
 from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.levels import build_levels
+from surmount.analysis.reference import check_distances
 from surmount.analysis.result import Analysis
 from surmount.analysis.sensitivity import SensitivityRow, assess_sensitivity
 from surmount.analysis.stability import assess_stability
@@ -73,6 +74,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
 
     fits, mixtures = zip(*spread(fit, range(len(data.samples))), strict=True)
     distances = hellinger_matrix(mixtures)
+    check = check_distances(mixtures, seed=settings.seed) if settings.check_distances else None
     dendrogram = build_dendrogram(distances, settings.linkage)
     cut = cut_dendrogram(dendrogram, distances, settings)
     limit = small_limit(len(mixtures), settings)
@@ -100,12 +102,15 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         stability = assess_stability(trials, data, fits, labels, settings)
     sensitivity: tuple[SensitivityRow, ...] = ()
     if settings.sensitivity:
-        sensitivity = assess_sensitivity(data, mixtures, distances, labels, settings, seed=seed)
+        sensitivity = assess_sensitivity(
+            data, mixtures, distances, labels, settings, seed=seed, check=check
+        )
     recorded, sampled = _scatter(data, mixtures[hardest], hardest, settings)
     analysis = Analysis(
         config=settings,
         parameters=trials.parameters,
         features=data.features,
+        n_networks=np.unique(trials.network).size,
         variants=data.variants,
         success_rate=data.success_rate,
         n_trials=data.n_trials,
@@ -116,6 +121,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         bic_per_variant=tuple(curves) if settings.components_per_variant else (),
         mixtures=mixtures,
         distances=distances,
+        check=check,
         linkage=dendrogram.links,
         inconsistency=dendrogram.inconsistency(settings.inconsistency_depth),
         inconsistency_depth_2=dendrogram.inconsistency(2),

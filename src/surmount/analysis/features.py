@@ -74,6 +74,8 @@ class VariantSamples:
         Standardised samples of each variant in lexicographic order, ``(sample, mapped)`` each.
     trial
         Index of the trial that each of these samples came from, ``(sample,)`` each.
+    network
+        Network of each trial, shape ``(trial,)``.
     features
         How the samples were made from the logged features.
     """
@@ -85,6 +87,7 @@ class VariantSamples:
     stride: IntArray
     samples: tuple[FloatArray, ...]
     trial: tuple[IntArray, ...]
+    network: IntArray
     features: FeatureMap
 
 
@@ -102,6 +105,10 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
         raise InputError(
             f"The trials hold one variant only ({describe_variant(variants[0])}).",
             remedy="Record trials on at least two variants of the task: groups need a choice.",
+        )
+    if not np.isfinite(variants).all():
+        raise InputError(
+            "A variant is NaN or infinite.", remedy="Give each trial's task parameters as numbers."
         )
     n_variants = variants.shape[0]
     n_trials = np.bincount(index, minlength=n_variants)
@@ -139,6 +146,7 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
         stride=stride,
         samples=tuple(samples),
         trial=tuple(origins),
+        network=trials.network,
         features=feature_map,
     )
 

@@ -18,6 +18,7 @@ from surmount.analysis.hellinger import hellinger, hellinger_matrix
 from surmount.core.arrays import FloatArray
 from surmount.core.mixture import Mixture
 from surmount.core.seeds import generator
+from surmount.core.threads import spread
 
 _REPLICATES = 8
 _FIRST_POWER = 9
@@ -94,23 +95,46 @@ def check_hellinger(
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DistanceCheck:
+    """Reference distances of all pairs of mixtures, to compare a matrix of unscented ones with.
+
+    Attributes
+    ----------
+    reference
+        Distances by quasi-Monte Carlo, shape ``(mixture, mixture)``.
+    standard_error
+        Standard error of each, shape ``(mixture, mixture)``; 0 on the diagonal.
+    """
+
+    reference: FloatArray
+    standard_error: FloatArray
+
+
 def check_distances(
     mixtures: Sequence[Mixture], *, tolerance: float = 1e-3, seed: int = 0
-) -> tuple[FloatArray, FloatArray]:
-    """Return reference distances of all pairs and their standard errors.
+) -> DistanceCheck:
+    """Return reference distances of all pairs of mixtures.
 
-    Both have shape ``(mixture, mixture)``; compare with
-    :func:`surmount.analysis.hellinger.hellinger_matrix`.
+    Parameters
+    ----------
+    mixtures, tolerance, seed
+        As in :func:`check_hellinger`.
     """
     n = len(mixtures)
     reference, error = np.zeros((n, n)), np.zeros((n, n))
     hellinger_matrix(mixtures)  # refuses mixtures over different features before the long part
-    for i in range(n):
-        for j in range(i):
-            found = check_hellinger(mixtures[i], mixtures[j], tolerance=tolerance, seed=seed)
-            reference[i, j] = reference[j, i] = found.reference
-            error[i, j] = error[j, i] = found.standard_error
-    return reference, error
+    pairs = [(i, j) for i in range(n) for j in range(i)]
+    found = spread(
+        lambda pair: check_hellinger(
+            mixtures[pair[0]], mixtures[pair[1]], tolerance=tolerance, seed=seed
+        ),
+        pairs,
+    )
+    for (i, j), one in zip(pairs, found, strict=True):
+        reference[i, j] = reference[j, i] = one.reference
+        error[i, j] = error[j, i] = one.standard_error
+    return DistanceCheck(reference=reference, standard_error=error)
 
 
 def _estimate(p: Mixture, q: Mixture, power: int, rng: np.random.Generator) -> float:

@@ -16,6 +16,7 @@ from surmount.analysis.cut import Cut
 from surmount.analysis.dendrogram import Dendrogram
 from surmount.analysis.features import FeatureMap
 from surmount.analysis.groups import Merge
+from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.result_reading import KIND, SCHEMA, read_fields
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
@@ -40,6 +41,8 @@ class Analysis:
         Names of the task parameters with their units.
     features
         How logged features became the features of the mixtures.
+    n_networks
+        Networks whose trials these are.
     variants
         Shape ``(variant, parameter)``.
     success_rate
@@ -57,6 +60,8 @@ class Analysis:
         One per variant, over ``features.names`` in these features' units.
     distances
         Unscented Hellinger distances (eq. 1), shape ``(variant, variant)``.
+    check
+        The distances beside a reference with error bars; ``None`` where this was not asked for.
     linkage
         SciPy's linkage matrix, shape ``(link, 4)`` (fig. 6).
     inconsistency
@@ -85,6 +90,7 @@ class Analysis:
     config: AnalysisConfig
     parameters: tuple[str, ...]
     features: FeatureMap
+    n_networks: int
     variants: FloatArray
     success_rate: FloatArray
     n_trials: IntArray
@@ -95,6 +101,7 @@ class Analysis:
     bic_per_variant: tuple[BICCurve, ...]
     mixtures: tuple[Mixture, ...]
     distances: FloatArray
+    check: DistanceCheck | None
     linkage: FloatArray
     inconsistency: FloatArray
     inconsistency_depth_2: FloatArray

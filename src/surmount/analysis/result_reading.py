@@ -15,6 +15,7 @@ from surmount.analysis.cut import Cut
 from surmount.analysis.features import FeatureMap
 from surmount.analysis.fitting import Scaling
 from surmount.analysis.groups import Merge
+from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
@@ -24,7 +25,7 @@ from surmount.core.errors import InputError, SurmountError
 from surmount.core.mixture import Mixture
 
 KIND = "surmount analysis"
-SCHEMA = 1
+SCHEMA = 2
 _REMEDY = "Write it again with `surmount analyze`."
 Part = TypeVar("Part")
 
@@ -75,6 +76,7 @@ def _fields(record: Mapping[str, Any]) -> dict[str, Any]:
             ),
             explained_variance=float(features["explained_variance"]),
         ),
+        "n_networks": _integer(record["n_networks"]),
         "variants": _floats(record["variants"], 2),
         "success_rate": _floats(record["success_rate"], 1),
         "n_trials": _integers(record["n_trials"]),
@@ -85,6 +87,7 @@ def _fields(record: Mapping[str, Any]) -> dict[str, Any]:
         "bic_per_variant": tuple(_curve(curve) for curve in record["bic_per_variant"]),
         "mixtures": tuple(Mixture.from_record(mixture) for mixture in record["mixtures"]),
         "distances": _floats(record["distances"], 2),
+        "check": None if record["check"] is None else _check(record["check"]),
         "linkage": _floats(record["linkage"], 2),
         "inconsistency": _floats(record["inconsistency"], 1),
         "inconsistency_depth_2": _floats(record["inconsistency_depth_2"], 1),
@@ -118,6 +121,13 @@ def _curve(record: Any) -> BICCurve:
     if len(sizes) != 1 or not {curve.minimum, curve.chosen} <= set(curve.components):
         raise ValueError("a BIC curve is malformed")
     return curve
+
+
+def _check(record: Mapping[str, Any]) -> DistanceCheck:
+    return DistanceCheck(
+        reference=_floats(record["reference"], 2),
+        standard_error=_floats(record["standard_error"], 2),
+    )
 
 
 def _stability(record: Mapping[str, Any]) -> Stability:
@@ -190,12 +200,17 @@ def _mismatch(fields: Mapping[str, Any]) -> str | None:
         wanted[name] = (fields[name].shape, (n,))
     for name in ("inconsistency", "inconsistency_depth_2"):
         wanted[name] = (fields[name].shape, (n - 1,))
+    if fields["check"] is not None:
+        wanted["check"] = (fields["check"].reference.shape, (n, n))
+        wanted["check.standard_error"] = (fields["check"].standard_error.shape, (n, n))
     if stability is not None:
         wanted["stability"] = (stability.co_membership.shape, (n, n))
         wanted["stability.boundaries"] = (stability.boundaries.shape, (n - 1,))
     bad = [name for name, (found, right) in wanted.items() if found != right]
     if bad:
         return f"the shapes of {', '.join(bad)} do not fit {n} variants"
+    if fields["n_networks"] < 1:
+        return "`n_networks` is not positive"
     if not hierarchy.is_valid_linkage(fields["linkage"]):
         return "`linkage` is not a dendrogram"
     if any(mixture.fit is None or mixture.n_features != d for mixture in mixtures):

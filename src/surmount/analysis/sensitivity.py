@@ -16,12 +16,17 @@ from surmount.analysis.features import VariantSamples
 from surmount.analysis.fitting import Prepared, affordable_components, mixture_of
 from surmount.analysis.groups import merge_small, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
+from surmount.analysis.reference import DistanceCheck
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.mixture import Mixture
 from surmount.core.threads import spread
 
 _LINKAGES = ("average", "complete", "single", "weighted", "ward")
 _DEPTHS = (2, 3, 4, 0)
+_MOST_NETWORKS = 10
+"""Of more networks, the first ones are looked at by themselves."""
+NETWORKS = "networks"
+"""Choice under which each network by itself stands."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,12 +75,13 @@ def assess_sensitivity(
     config: AnalysisConfig,
     *,
     seed: int,
+    check: DistanceCheck | None = None,
 ) -> tuple[SensitivityRow, ...]:
     """Repeat the grouping with one choice changed at a time.
 
     Linkage, cut rule, cut-off and the size of small groups reuse the distances; leaving a feature
-    out reuses the mixtures, whose marginals are exact; other numbers of components are fitted
-    anew.
+    out reuses the mixtures, whose marginals are exact; other numbers of components, and each
+    network by itself, are fitted anew. Pooled networks can hide a boundary that only one has.
 
     Parameters
     ----------
@@ -87,6 +93,8 @@ def assess_sensitivity(
         Its configuration.
     seed
         Seed of its fits.
+    check
+        Its distances' references, where they were computed.
     """
 
     def row(choice: str, value: str, found: IntArray) -> SensitivityRow:
@@ -101,14 +109,20 @@ def assess_sensitivity(
         row(choice, value, group_variants(distances, changed))
         for choice, value, changed in _changed_rules(config)
     ]
+    if check is not None:
+        rows.append(row("distances", "reference", group_variants(check.reference, config)))
     names = data.features.names
     for left_out, name in enumerate(names if len(names) > 1 else ()):
         kept = [index for index in range(len(names)) if index != left_out]
         partial = hellinger_matrix([marginal(mixture, kept) for mixture in mixtures])
         rows.append(row("features", f"without {name}", group_variants(partial, config)))
     for count in _other_counts(mixtures, config):
-        refitted = hellinger_matrix(_refits(data, count, config, seed))
+        refitted = hellinger_matrix(_refits(data.samples, data, count, config, seed))
         rows.append(row("components", str(count), group_variants(refitted, config)))
+    usual = max(mixture.n_components for mixture in mixtures)
+    for network, samples in _single_networks(data, config):
+        alone = hellinger_matrix(_refits(samples, data, usual, config, seed))
+        rows.append(row(NETWORKS, f"only {network}", group_variants(alone, config)))
     return tuple(rows)
 
 
@@ -147,7 +161,27 @@ def _other_counts(mixtures: Sequence[Mixture], config: AnalysisConfig) -> list[i
     return [count for count in (max(2, own // 2), more) if count != own]
 
 
-def _refits(data: VariantSamples, count: int, config: AnalysisConfig, seed: int) -> list[Mixture]:
+def _single_networks(
+    data: VariantSamples, config: AnalysisConfig
+) -> Iterator[tuple[int, list[FloatArray]]]:
+    """Yield the samples of each of several networks that tried every variant often enough."""
+    networks = np.unique(data.network)
+    for network in networks[:_MOST_NETWORKS] if networks.size > 1 else ():
+        own = [
+            samples[data.network[trial] == network]
+            for samples, trial in zip(data.samples, data.trial, strict=True)
+        ]
+        if min(samples.shape[0] for samples in own) >= config.min_samples_per_component:
+            yield int(network), own
+
+
+def _refits(
+    parts: Sequence[FloatArray],
+    data: VariantSamples,
+    count: int,
+    config: AnalysisConfig,
+    seed: int,
+) -> list[Mixture]:
     quick = dataclasses.replace(config, restarts=1)
 
     def refit(samples: FloatArray) -> Mixture:
@@ -156,4 +190,4 @@ def _refits(data: VariantSamples, count: int, config: AnalysisConfig, seed: int)
         fit = prepared.fit(affordable, quick, seed)
         return mixture_of(fit, data.features.scaling, quick, affordable)
 
-    return spread(refit, data.samples)
+    return spread(refit, parts)

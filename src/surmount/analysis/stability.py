@@ -49,6 +49,46 @@ class Stability:
     boundaries: FloatArray
     agreement: float
 
+    def together(self, labels: IntArray) -> FloatArray:
+        """Return how often two variants of a group stayed together, the mean over its pairs.
+
+        Parameters
+        ----------
+        labels
+            Group of each variant, shape ``(variant,)``.
+
+        Returns
+        -------
+        FloatArray
+            Shape ``(group,)``; 1 for a group of one variant.
+        """
+        return np.asarray(
+            [_mean(self.co_membership[own][:, own]) for own in _members(labels)], dtype=np.float64
+        )
+
+    def apart(self, labels: IntArray) -> FloatArray:
+        """Return how often variants of a group stayed apart from those of its nearest other group.
+
+        Parameters
+        ----------
+        labels
+            Group of each variant, shape ``(variant,)``.
+
+        Returns
+        -------
+        FloatArray
+            Shape ``(group,)``: 1 minus the largest mean co-membership with another group.
+        """
+        groups = _members(labels)
+        mixed = [
+            max((self._shared(own, other) for other in groups if other is not own), default=0.0)
+            for own in groups
+        ]
+        return 1.0 - np.asarray(mixed, dtype=np.float64)
+
+    def _shared(self, first: IntArray, second: IntArray) -> float:
+        return float(self.co_membership[np.ix_(first, second)].mean())
+
 
 def assess_stability(
     trials: Trials,
@@ -137,6 +177,15 @@ def resampled(trials: Trials, rng: np.random.Generator) -> IntArray:
                 picks = rng.integers(cell.size, size=cell.size * int(draws[chosen]))
                 counts[cell] += np.bincount(picks, minlength=cell.size)
     return counts
+
+
+def _members(labels: IntArray) -> list[IntArray]:
+    return [np.flatnonzero(labels == label) for label in np.unique(labels)]
+
+
+def _mean(square: FloatArray) -> float:
+    pairs = square[np.triu_indices(square.shape[0], 1)]
+    return float(pairs.mean()) if pairs.size else 1.0
 
 
 def _thin(

@@ -8,6 +8,7 @@ import numpy as np
 
 from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
+from surmount.analysis.trust import unstable_parts
 
 _FEW_TRIALS = 10
 
@@ -29,6 +30,10 @@ def _about_data(analysis: Analysis) -> list[str]:
         found.append(
             "Left out because they never change, or by rounding only: "
             f"{', '.join(analysis.features.dropped)}."
+        )
+    if analysis.n_networks == 1:
+        found.append(
+            "All trials are of one network: whether another training run behaves alike is unknown."
         )
     few = np.flatnonzero(analysis.n_trials < _FEW_TRIALS)
     if few.size:
@@ -81,24 +86,6 @@ def _about_groups(analysis: Analysis) -> list[str]:
 
 
 def _about_stability(analysis: Analysis) -> list[str]:
-    stability, threshold = analysis.stability, analysis.config.stability_threshold
-    if stability is None:
+    if analysis.stability is None:
         return ["The stability of the grouping was not assessed (`bootstrap` is 0)."]
-    found: list[str] = []
-    if stability.same_count < threshold:
-        listed = ", ".join(f"{count} in {share:.0%}" for count, share in stability.group_counts)
-        found.append(
-            f"The number of groups is not stable: with trials drawn again it was {listed} of "
-            f"{stability.replicates} replicates."
-        )
-    if analysis.variants.shape[1] > 1:
-        return found
-    for left in np.flatnonzero(np.diff(analysis.labels) != 0):
-        share = stability.boundaries[left]
-        if share < threshold:
-            low, high = (describe_variant(analysis.variants[i]) for i in (left, left + 1))
-            found.append(
-                f"The boundary between {low} and {high} is not stable: it appeared in "
-                f"{share:.0%} of {stability.replicates} replicates."
-            )
-    return found
+    return unstable_parts(analysis, analysis.stability)

@@ -7,8 +7,12 @@ from typing import Annotated
 
 import tyro
 
-from surmount.analysis import AnalysisConfig, determine_curriculum
-from surmount.analysis.explanation import describe_curriculum
+from surmount.analysis import (
+    AnalysisConfig,
+    describe_curriculum,
+    describe_trust,
+    determine_curriculum,
+)
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
 from surmount.core.store import output_errors, sole_user
@@ -45,7 +49,8 @@ def analyze(
         analysis.curriculum.save(out / "curriculum.json")
         write_analysis_figures(analysis.to_record(), out / "figures")
     print("\n".join(describe_curriculum(analysis.curriculum)))
-    for warning in analysis.warnings:
-        print(f"Note: {warning}")
-    print(f"Written to {out}: curriculum.json, analysis.json, figures/")
+    print("\nHow far to trust it")
+    for sentence in (*describe_trust(analysis), *analysis.warnings):
+        print(f"  {sentence}")
+    print(f"\nWritten to {out}: curriculum.json, analysis.json, figures/")
     return 0

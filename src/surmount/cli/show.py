@@ -7,8 +7,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.analysis import Analysis
-from surmount.analysis.explanation import describe_curriculum, explain_analysis
+from surmount.analysis import Analysis, describe_curriculum, describe_trust, explain_analysis
 from surmount.analysis.result_reading import KIND
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
@@ -27,7 +26,7 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
     record = read_record(path)
     if record.get("kind") == KIND:
         analysis = Analysis.from_record(record, source=str(path))
-        lines = explain_analysis(analysis) if why else describe_curriculum(analysis.curriculum)
+        lines = explain_analysis(analysis) if why else _described(analysis)
     elif why:
         raise InputError(
             f"{path} is a curriculum, and does not hold the reasons for it.",
@@ -37,6 +36,11 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
         lines = describe_curriculum(Curriculum.load(path))
     print("\n".join(lines))
     return 0
+
+
+def _described(analysis: Analysis) -> list[str]:
+    trust = [f"  {sentence}" for sentence in describe_trust(analysis)]
+    return [*describe_curriculum(analysis.curriculum), "", "How far to trust it", *trust]
 
 
 def _resolve(path: Path, *, why: bool) -> Path:

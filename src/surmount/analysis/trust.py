@@ -1,0 +1,146 @@
+"""How far a grouping can be trusted, in a few sentences with their numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surmount.analysis.description import counted
+from surmount.analysis.features import describe_variant
+from surmount.analysis.result import Analysis
+from surmount.analysis.sensitivity import NETWORKS
+from surmount.analysis.stability import Stability
+from surmount.core.arrays import FloatArray
+
+_MANY_NETWORKS = 10
+"""Networks from which a bootstrap over them keeps its level (see surmount.stats.bootstrap)."""
+_SAME = 1.0 - 1e-9
+"""Adjusted Rand index from which two groupings are the same."""
+
+
+def describe_trust(analysis: Analysis) -> list[str]:
+    """Return the verdict and what it rests on: bootstrap, sensitivity, networks."""
+    return [
+        _verdict(analysis),
+        *_about_bootstrap(analysis),
+        *_about_choices(analysis),
+        *_about_networks(analysis),
+    ]
+
+
+def is_stable(analysis: Analysis) -> bool | None:
+    """Return whether number, members and boundaries of the groups come back often enough.
+
+    "Often enough" is ``stability_threshold`` of the bootstrap replicates; ``None`` where there was
+    no bootstrap.
+    """
+    if analysis.stability is None:
+        return None
+    return not unstable_parts(analysis, analysis.stability)
+
+
+def unstable_parts(analysis: Analysis, stability: Stability) -> list[str]:
+    """Return a sentence on everything about the groups that too few replicates confirm."""
+    threshold, labels = analysis.config.stability_threshold, analysis.labels
+    replicates = f"{stability.replicates} replicates"
+    found: list[str] = []
+    if stability.same_count < threshold:
+        listed = ", ".join(f"{count} in {share:.0%}" for count, share in stability.group_counts)
+        found.append(
+            f"The number of groups is not stable: with trials drawn again it was {listed} of "
+            f"{replicates}."
+        )
+    if analysis.variants.shape[1] == 1:
+        for left in np.flatnonzero(np.diff(labels) != 0):
+            share = stability.boundaries[left]
+            if share < threshold:
+                low, high = (describe_variant(analysis.variants[i]) for i in (left, left + 1))
+                found.append(
+                    f"The boundary between {low} and {high} is not stable: it appeared in "
+                    f"{share:.0%} of {replicates}."
+                )
+    for group, together, apart in zip(
+        analysis.groups, stability.together(labels), stability.apart(labels), strict=True
+    ):
+        if together < threshold:
+            found.append(
+                f"The group {group.name} does not hold together: two of its variants shared a "
+                f"group in {together:.0%} of {replicates}."
+            )
+        if apart < threshold:
+            found.append(
+                f"The group {group.name} is not held apart: a variant of it and one of another "
+                f"group were in different groups in {apart:.0%} of {replicates}."
+            )
+    return found
+
+
+def _verdict(analysis: Analysis) -> str:
+    stable = is_stable(analysis)
+    if stable is None:
+        return "How stable the grouping is was not assessed (`bootstrap` is 0)."
+    if stable:
+        return "The grouping is stable under new draws of these networks and trials."
+    return (
+        "The grouping is NOT stable: other trials of the same networks would give other groups. "
+        "Record more trials or networks, or take the groups as a suggestion to be checked."
+    )
+
+
+def _about_bootstrap(analysis: Analysis) -> list[str]:
+    stability = analysis.stability
+    if stability is None:
+        return []
+    counts = ", ".join(f"{count} in {share:.0%}" for count, share in stability.group_counts)
+    together, apart = stability.together(analysis.labels), stability.apart(analysis.labels)
+    sentences = [
+        (
+            f"With networks and trials drawn again {stability.replicates} times, the number of "
+            f"groups was {counts}; {stability.agreement:.0%} of all pairs of variants were "
+            "together or apart as here."
+        )
+    ]
+    if len(analysis.groups) > 1:
+        sentences.append(
+            f"Two variants of a group stayed together in at least {together.min():.0%} of the "
+            f"replicates{_least(analysis, together)}, and apart from those of another group in at "
+            f"least {apart.min():.0%}{_least(analysis, apart)}."
+        )
+    return sentences
+
+
+def _least(analysis: Analysis, shares: FloatArray) -> str:
+    lowest = int(np.argmin(shares))
+    return "" if shares[lowest] == 1.0 else f" ({analysis.groups[lowest].name} the least)"
+
+
+def _about_choices(analysis: Analysis) -> list[str]:
+    rows = [row for row in analysis.sensitivity if row.choice != NETWORKS]
+    if not rows:
+        return []
+    same = sum(row.agreement >= _SAME for row in rows)
+    others = min(rows, key=lambda row: row.agreement)
+    sentence = f"With one choice of the analysis changed, {same} of {len(rows)} times the groups "
+    if same == len(rows):
+        return [f"{sentence}are the same."]
+    sentence += f"are the same; the least alike is {others.choice} {others.value} "
+    return [f"{sentence}(adjusted Rand index {others.agreement:.2f})."]
+
+
+def _about_networks(analysis: Analysis) -> list[str]:
+    n = analysis.n_networks
+    if n == 1:
+        return []  # a warning of its own
+    sentences: list[str] = []
+    if n < _MANY_NETWORKS:
+        sentences.append(
+            f"The trials are of {n} networks: the bootstrap speaks of training runs like these, as "
+            "far as so few can."
+        )
+    alone = [row for row in analysis.sensitivity if row.choice == NETWORKS]
+    if alone:
+        listed = ", ".join(
+            f"{row.value} {counted(row.n_groups, 'group')} (index {row.agreement:.2f})"
+            for row in alone
+        )
+        sentences.append(f"Each network by itself: {listed}.")
+    return sentences

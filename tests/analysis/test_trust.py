@@ -1,0 +1,87 @@
+"""What is said about how far to trust a grouping, against the numbers it rests on."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from surmount import Analysis, AnalysisConfig, determine_curriculum
+from surmount.analysis import describe_trust, explain_analysis
+from surmount.analysis.reference import check_hellinger
+from surmount.analysis.synthetic import SyntheticFamily
+from surmount.analysis.trust import is_stable, unstable_parts
+
+FAMILY = SyntheticFamily(sizes=(4, 4), behaviours=(0, 1), separation=10.0, trials=10, steps=50)
+CONFIG = AnalysisConfig(
+    components=3, restarts=1, bootstrap=10, bootstrap_samples=200, check_distances=True
+)
+
+
+@pytest.fixture(scope="module")
+def analysis() -> Analysis:
+    return determine_curriculum(FAMILY.generate(), CONFIG)
+
+
+def shaken(analysis: Analysis, **changes) -> Analysis:
+    """The analysis with another outcome of its bootstrap."""
+    stability = dataclasses.replace(analysis.stability, **changes)
+    return dataclasses.replace(analysis, stability=stability)
+
+
+def test_clear_groups_are_called_stable_with_their_numbers(analysis: Analysis):
+    assert is_stable(analysis)
+    text = " ".join(describe_trust(analysis))
+    assert "is stable" in text
+    assert "10 times, the number of groups was 2 in 100%" in text
+    same = sum(row.agreement > 1 - 1e-9 for row in analysis.sensitivity if row.choice != "networks")
+    choices = sum(row.choice != "networks" for row in analysis.sensitivity)
+    assert f"{same} of {choices} times the groups are the same" in text
+    assert "only 0 2 groups (index 1.00)" in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"same_count": 0.5, "group_counts": ((2, 0.5), (3, 0.5))}, "number of groups"),
+        ({"boundaries": np.array([0, 0, 0, 0.6, 0, 0, 0])}, "boundary between 130 and 140"),
+        ({"co_membership": np.full((8, 8), 0.5)}, "does not hold together"),
+        ({"co_membership": np.ones((8, 8))}, "is not held apart"),
+    ],
+)
+def test_whatever_too_few_replicates_confirm_is_called_not_stable(analysis, changes, part):
+    doubtful = shaken(analysis, **changes)
+    assert is_stable(doubtful) is False
+    assert "NOT stable" in describe_trust(doubtful)[0]
+    explained = "\n".join(explain_analysis(doubtful))
+    assert "NOT stable" in explained
+    assert any(part in sentence for sentence in unstable_parts(doubtful, doubtful.stability))
+
+
+def test_without_a_bootstrap_nothing_is_claimed(analysis: Analysis):
+    unknown = dataclasses.replace(analysis, stability=None, sensitivity=())
+    assert is_stable(unknown) is None
+    assert "not assessed" in describe_trust(unknown)[0]
+
+
+def test_trials_of_one_network_are_warned_of():
+    trials = FAMILY.generate()
+    found = determine_curriculum(trials.select(trials.network == 0), CONFIG)
+    assert found.n_networks == 1
+    assert any("one network" in warning for warning in found.warnings)
+
+
+def test_checked_distances_are_those_of_pairs_and_their_errors_are_told(analysis: Analysis):
+    check = analysis.check
+    pair = check_hellinger(analysis.mixtures[5], analysis.mixtures[2], seed=CONFIG.seed)
+    assert check.reference[5, 2] == check.reference[2, 5] == pair.reference
+    assert check.standard_error[5, 2] == pair.standard_error
+    error = np.abs(analysis.distances - check.reference)
+    assert error.max() < 0.1  # docs/results/unscented-hellinger.md: K = 3 is between 1 and 4
+    text = "\n".join(explain_analysis(analysis))
+    assert f"by {error.max():.4f} at most" in text
+    assert ("distances", "reference") in {(row.choice, row.value) for row in analysis.sensitivity}
+    again = Analysis.from_record(json.loads(json.dumps(analysis.to_record())))
+    np.testing.assert_array_equal(again.check.reference, check.reference)
