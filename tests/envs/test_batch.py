@@ -400,10 +400,9 @@ def test_registered_vector_environments_declare_mode_spaces_and_tasks(obstacle):
     env.close()
 
 
-@pytest.mark.parametrize("mode", ["sync", "async"])
-def test_a_task_distribution_pushed_to_gymnasiums_vector_environments_holds_across_autoresets(mode):
+def test_a_task_distribution_pushed_to_gymnasiums_vector_environments_holds_across_autoresets():
     env = gymnasium.make_vec(
-        "surmount/Step-v0", num_envs=2, vectorization_mode=mode, config=EnvConfig(episode_s=0.02)
+        "surmount/Step-v0", num_envs=2, vectorization_mode="sync", config=EnvConfig(episode_s=0.02)
     )
     env.reset(seed=0)
     edge = TaskDistribution.uniform(("height_mm",), np.array([40.0]), np.array([50.0]))

@@ -24,7 +24,7 @@ from surmount.envs.obstacles import find_obstacle
 from surmount.envs.options import read_options
 from surmount.envs.pictures import RENDER_MODES, Pictures
 from surmount.envs.randomiser import Randomiser
-from surmount.envs.rewards import final_reward, running_reward
+from surmount.envs.rewards import Reward
 from surmount.envs.saved_state import SCHEMA, check_state
 from surmount.envs.simulation import Simulation
 from surmount.envs.starts import fixed_start, random_start
@@ -42,8 +42,9 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
     targets stay within their ranges. The tables with symbols, units and ranges are in
     ``docs/environments.md`` and from :mod:`surmount.envs.tables`.
 
-    Reward: eq. 6, see :mod:`surmount.envs.rewards`. An episode ends when the base passes the
-    target line (success), falls off the floor or diverges (terminated), or at the cap (truncated).
+    Reward: eq. 6, see :class:`surmount.envs.rewards.Reward`. An episode ends when the base passes
+    the target line (success), falls off the floor or diverges (terminated), or at the cap
+    (truncated).
 
     ``infos`` of every reset and step hold, with Gymnasium's ``_key`` masks, what
     :data:`~surmount.envs.infos.INFO_KEYS` names: ``features`` of shape ``(env, feature)``,
@@ -132,8 +133,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
                 len(ACTIONS),
             )
         self._fixed_start = fixed_start(self.config)
-        self._everywhere: BoolArray = np.ones(num_envs, dtype=np.bool_)
-        self._everywhere.flags.writeable = False
+        self._reward = Reward(self.config)
         self._measures: Measures | None = None
 
     # Tasks ------------------------------------------------------------------------------------
@@ -198,7 +198,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
                 super().reset(seed=int(seed))
         mask = chosen.mask | (self._measures is None)
         measures = self._begin(np.flatnonzero(mask), chosen.variant, fixed=chosen.fixed)
-        return self._observe(measures), with_masks(self._infos(measures), self._everywhere)
+        return self._observe(measures), with_masks(self._infos(measures), self.num_envs)
 
     def _begin(
         self, envs: IntArray, variant: FloatArray | None = None, *, fixed: bool = False
@@ -238,11 +238,11 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         change_deg = now.joints_deg - before.joints_deg
         np.abs(change_deg, out=change_deg)
         ended = episodes.go_on(now, change_deg, diverged, running)
-        reward = running_reward(now, change_deg, self.config)
+        reward = self._reward.running(now, change_deg)
         if ended is not None:
             reached = ended & episodes.success
             failed = ended & episodes.terminated & ~reached
-            reward += final_reward(reached, failed, self.config.reward)
+            reward += self._reward.final(reached, failed)
         if over is not None:
             reward[over] = 0.0
         terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
@@ -255,7 +255,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             now = self._begin(np.flatnonzero(ended))
         if self.render_mode == "human":
             self.render()
-        infos = with_masks(self._infos(now), self._everywhere)
+        infos = with_masks(self._infos(now), self.num_envs)
         return self._observe(now), reward, terminated, truncated, infos | final
 
     def _observe(self, measures: Measures) -> Observations:

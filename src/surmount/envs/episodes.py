@@ -32,6 +32,8 @@ class Episodes:
         Path lengths Σ|Δangle| of FBEM and sprawl (paper III-D), shape ``(2, env)``.
     terminated, truncated, success, diverged
         How the episode ended, if it did, shape ``(env,)``.
+    completion_time_s
+        Time to the target in s; the cap where it is not reached (paper III-D), shape ``(env,)``.
     any_over
         Whether any episode has ended and not begun anew.
     """
@@ -48,7 +50,9 @@ class Episodes:
         self.truncated: BoolArray = np.zeros(num_envs, dtype=np.bool_)
         self.success: BoolArray = np.zeros(num_envs, dtype=np.bool_)
         self.diverged: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self.completion_time_s: FloatArray = np.full(num_envs, self._cap_s)
         self.any_over = False
+        self._decisions_left = 0
 
     def begin(self, envs: IntArray) -> None:
         """Begin an episode in each of ``envs``."""
@@ -56,7 +60,7 @@ class Episodes:
         self.path_deg[:, envs] = 0.0
         for flags in (self.terminated, self.truncated, self.success, self.diverged):
             flags[envs] = False
-        self._note_endings()
+        self._take_stock()
 
     def go_on(
         self,
@@ -86,11 +90,12 @@ class Episodes:
         """
         self.path_deg += change_deg
         self.steps += 1 if running is None else running
+        self._decisions_left -= 1
         reached = now.x_m >= self._target_m
         fell = now.z_m < self._lowest_m
-        capped = self.steps >= self._cap
         ended: BoolArray = reached | fell
-        ended |= capped
+        if self._decisions_left <= 0:
+            ended |= self.steps >= self._cap
         ended |= diverged
         if running is not None:
             ended &= running
@@ -98,9 +103,9 @@ class Episodes:
             return None
         self.diverged |= ended & diverged
         self.success |= ended & reached & ~diverged
-        self.terminated |= ended & (self.success | fell | diverged)
+        self.terminated |= ended & (reached | fell | diverged)
         self.truncated |= ended & ~self.terminated
-        self._note_endings()
+        self._take_stock()
         return ended
 
     @property
@@ -111,14 +116,14 @@ class Episodes:
     @property
     def time_s(self) -> FloatArray:
         """Time since each episode began, in s, shape ``(env,)``."""
-        return self.steps.astype(np.float64) * self._interval_s
+        return np.multiply(self.steps, self._interval_s, dtype=np.float64)
 
-    def completion_time_s(self, time_s: FloatArray) -> FloatArray:
-        """Return the time to the target, or the cap where it is not reached, shape ``(env,)``."""
-        return np.where(self.success, time_s, self._cap_s)
-
-    def _note_endings(self) -> None:
-        self.any_over = bool(self.over.any())
+    def _take_stock(self) -> None:
+        """Work out what changes only when episodes begin or end."""
+        over = self.over
+        self.any_over = bool(over.any())
+        self._decisions_left = self._cap - int(self.steps[~over].max(initial=0))
+        self.completion_time_s = np.where(self.success, self.time_s, self._cap_s)
 
     def state_dict(self) -> dict[str, Any]:
         """Return all that is known of the present episodes, as arrays."""
@@ -128,7 +133,7 @@ class Episodes:
         """Go on from :meth:`state_dict`."""
         for name in _STATE:
             getattr(self, name)[:] = state[name]
-        self._note_endings()
+        self._take_stock()
 
 
 _STATE = ("variant", "steps", "path_deg", "terminated", "truncated", "success", "diverged")

@@ -29,22 +29,23 @@ INFO_KEYS = {
 
 def step_infos(measures: Measures, episodes: Episodes, target_m: float) -> Infos:
     """Return the infos of all environments, without masks, one row per environment."""
-    time_s = episodes.time_s
     fbem_deg, sprawl_deg = episodes.path_deg.copy()
     return {
-        "features": features(measures, time_s, target_m),
+        "features": features(measures, episodes.time_s, target_m),
         "variant": episodes.variant.copy(),
         "is_success": episodes.success.copy(),
         "diverged": episodes.diverged.copy(),
-        "completion_time_s": episodes.completion_time_s(time_s),
+        "completion_time_s": episodes.completion_time_s.copy(),
         "sprawl_path_deg": sprawl_deg,
         "fbem_path_deg": fbem_deg,
     }
 
 
-def with_masks(infos: Infos, everywhere: BoolArray) -> Infos:
-    """Return infos with the mask ``everywhere`` for each key."""
-    return infos | {f"_{key}": everywhere for key in infos}
+def with_masks(infos: Infos, num_envs: int) -> Infos:
+    """Add Gymnasium's mask of each key to infos: all environments have it."""
+    everywhere: BoolArray = np.ones(num_envs, dtype=np.bool_)
+    infos.update(dict.fromkeys(["_" + key for key in infos], everywhere))
+    return infos
 
 
 def final_infos(observation: Observations, infos: Infos, ended: BoolArray) -> Infos:

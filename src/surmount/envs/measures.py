@@ -39,6 +39,11 @@ class Measures:
         return self.rows[1]
 
     @property
+    def attitude_deg(self) -> FloatArray:
+        """Yaw and pitch, shape ``(2, env)``."""
+        return self.rows[:2]
+
+    @property
     def fbem_deg(self) -> FloatArray:
         """FBEM angle; positive: body forward."""
         return self.rows[2]
@@ -84,10 +89,12 @@ def features(measures: Measures, time_s: FloatArray, target_m: float) -> FloatAr
     The distance is Euclidean, in the horizontal plane, from the base to the target point: the
     middle of the target line.
     """
-    columns = np.empty((len(FEATURE_NAMES), time_s.size))
-    columns[0] = time_s
-    columns[1] = measures.sprawl_deg
-    columns[2] = measures.fbem_deg
-    ahead, y = target_m - measures.x_m, measures.y_m
-    np.sqrt(ahead * ahead + y * y, out=columns[3])
-    return columns.T.copy()
+    table = np.empty((time_s.size, len(FEATURE_NAMES)))
+    table[:, 0] = time_s
+    table[:, 1:3] = measures.joints_deg[::-1].T
+    square = target_m - measures.x_m
+    square *= square
+    y_m = measures.y_m
+    square += y_m * y_m
+    np.sqrt(square, out=table[:, 3])
+    return table

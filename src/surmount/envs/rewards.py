@@ -1,73 +1,85 @@
-"""The paper's reward (eq. 6), one small function for each of its terms, and their sum.
-
-Every function works on arrays of shape ``(env,)`` and returns that shape; penalties are negative.
-"""
+"""The paper's reward (eq. 6), one small method for each of its terms, and their sum."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
-from surmount.envs.config import EnvConfig, RewardConfig
+from surmount.envs.config import EnvConfig
 from surmount.envs.measures import Measures
 
 
-def time_penalty(
-    yaw_deg: FloatArray, pitch_deg: FloatArray, steps_per_episode: int, config: RewardConfig
-) -> FloatArray:
-    """Return −(1 + 2 K_b)/S_m, with K_b = 1 when |yaw| or |pitch| exceeds the tilt limit."""
-    tilted = np.maximum(np.abs(yaw_deg), np.abs(pitch_deg)) > config.tilt_limit_deg
-    upright = -1.0 / steps_per_episode
-    return np.where(tilted, -(1.0 + config.tilt_factor) / steps_per_episode, upright)
+class Reward:
+    """Eq. 6, with what follows from the configuration worked out once.
 
-
-def distance_penalty(
-    distance_m: FloatArray, yaw_deg: FloatArray, config: RewardConfig
-) -> FloatArray:
-    """Return −K_yaw · D_z, with D_z ≥ 0 the distance left to the target line, in m."""
-    low, high = config.yaw_limits_deg
-    near, middle, far = config.yaw_gains
-    yaw = np.abs(yaw_deg)
-    gain = np.where(yaw <= low, -near, np.where(yaw <= high, -middle, -far))
-    return gain * (distance_m / config.distance_unit_m)
-
-
-def speed_penalty(speed_mps: FloatArray, config: RewardConfig) -> FloatArray:
-    """Return −1e-8 · |S|, with S the tangential speed in m/s."""
-    return -config.speed_weight * (np.abs(speed_mps) / config.speed_unit_mps)
-
-
-def motion_penalty(
-    sprawl_change_deg: FloatArray, fbem_change_deg: FloatArray, config: RewardConfig
-) -> FloatArray:
-    """Return −0.005 · (|Δsprawl| + |ΔFBEM|), changes since the previous decision in degrees."""
-    sprawl = config.sprawl_weight * np.abs(sprawl_change_deg)
-    fbem = config.fbem_weight * np.abs(fbem_change_deg)
-    return -(sprawl + fbem) / config.angle_unit_deg
-
-
-def final_reward(reached: BoolArray, failed: BoolArray, config: RewardConfig) -> FloatArray:
-    """Return +5 where the target was reached, −5 where the robot fell off (or diverged)."""
-    return np.where(reached, config.target, np.where(failed, config.fall, 0.0))
-
-
-def running_reward(now: Measures, change_deg: FloatArray, config: EnvConfig) -> FloatArray:
-    """Return all of eq. 6 but the final reward.
+    Terms work on arrays of shape ``(env,)`` and return that shape; penalties are negative.
 
     Parameters
     ----------
-    now
-        What is measured after the decision.
-    change_deg
-        Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``.
     config
-        Target, cap, weights and units.
+        Weights and units, cap and target.
     """
-    left_m = np.maximum(config.course.target_m - now.x_m, 0.0)
-    yaw_deg, reward = now.yaw_deg, config.reward
-    total = time_penalty(yaw_deg, now.pitch_deg, config.steps_per_episode, reward)
-    total += distance_penalty(left_m, yaw_deg, reward)
-    total += speed_penalty(now.speed_mps, reward)
-    fbem_change_deg, sprawl_change_deg = change_deg
-    total += motion_penalty(sprawl_change_deg, fbem_change_deg, reward)
-    return total
+
+    def __init__(self, config: EnvConfig) -> None:
+        self._reward = config.reward
+        self._target_m = config.course.target_m
+        steps = config.steps_per_episode
+        self._upright = -1.0 / steps
+        self._tilted = -(1.0 + config.reward.tilt_factor) / steps
+        self._yaw_limits: FloatArray = np.array(config.reward.yaw_limits_deg)
+        self._yaw_gains: FloatArray = -np.array(config.reward.yaw_gains)
+        # Rows as in the changes: FBEM, sprawl.
+        self._weights: FloatArray = np.array(
+            [[config.reward.fbem_weight], [config.reward.sprawl_weight]]
+        )
+
+    def time(self, tilt_deg: FloatArray) -> FloatArray | float:
+        """Return −(1 + 2 K_b)/S_m, with K_b = 1 when |yaw| or |pitch| exceeds the tilt limit.
+
+        ``tilt_deg`` holds |yaw| and |pitch|, shape ``(2, env)``. A float stands for all
+        environments if none is tilted.
+        """
+        limit = self._reward.tilt_limit_deg
+        if tilt_deg.max() <= limit:
+            return self._upright
+        return np.where((tilt_deg > limit).any(axis=0), self._tilted, self._upright)
+
+    def distance(self, left_m: FloatArray, yaw_deg: FloatArray) -> FloatArray:
+        """Return −K_yaw · D_z, from D_z ≥ 0, the distance left to the target line, and |yaw|."""
+        gain = self._yaw_gains.take(self._yaw_limits.searchsorted(yaw_deg))
+        return gain * (left_m / self._reward.distance_unit_m)
+
+    def speed(self, speed_mps: FloatArray) -> FloatArray:
+        """Return −1e-8 · |S|, from the absolute tangential speed."""
+        return -self._reward.speed_weight * (speed_mps / self._reward.speed_unit_mps)
+
+    def motion(self, change_deg: FloatArray) -> FloatArray:
+        """Return −0.005 · (|Δsprawl| + |ΔFBEM|).
+
+        ``change_deg`` holds |ΔFBEM| and |Δsprawl| since the previous decision, shape ``(2, env)``.
+        """
+        fbem, sprawl = self._weights * change_deg
+        return (sprawl + fbem) / -self._reward.angle_unit_deg
+
+    def final(self, reached: BoolArray, failed: BoolArray) -> FloatArray:
+        """Return +5 where the target was reached, −5 where the robot fell off (or diverged)."""
+        return np.where(reached, self._reward.target, np.where(failed, self._reward.fall, 0.0))
+
+    def running(self, now: Measures, change_deg: FloatArray) -> FloatArray:
+        """Return the sum of all terms but the final one.
+
+        Parameters
+        ----------
+        now
+            What is measured after the decision.
+        change_deg
+            Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``.
+        """
+        left_m = self._target_m - now.x_m
+        np.maximum(left_m, 0.0, out=left_m)
+        tilt_deg = np.abs(now.attitude_deg)
+        total = self.distance(left_m, tilt_deg[0])
+        total += self.time(tilt_deg)
+        total += self.speed(np.abs(now.speed_mps))
+        total += self.motion(change_deg)
+        return total

@@ -68,7 +68,10 @@ class Simulation:
         ]
         self._action_of_servo, self._rate_of_servo = self._servo_map()
         self._measured = self._measured_columns()
-        self._rim_mps = rolling_radius_m(config.robot) / len(wheel_names(config.robot))
+        rim_m = rolling_radius_m(config.robot) / len(wheel_names(config.robot))
+        # Yaw (whose sine is that of −yaw), pitch, means of two joint angles, mean rim speed.
+        units = [-_DEGREES, _DEGREES, 0.5 * _DEGREES, 0.5 * _DEGREES, rim_m]
+        self._units: FloatArray = np.array(units)[:, None]
         self._before: FloatArray = np.empty_like(self.batch.state)
         self._speeds: FloatArray = np.empty(self._qvel.shape)
         self._none: BoolArray = np.zeros(num_envs, dtype=np.bool_)
@@ -150,22 +153,17 @@ class Simulation:
         # the number of simulations.
         columns = self.batch.state.take(self._measured, axis=1).T.copy()
         products = columns[:8] * columns[8:16]
-        # Entries of the rotation matrix: horizontal part of the lateral axis (xy − wz, xx + zz),
-        # and heights of the forward and upward axes (xz − wy, xx + yy).
+        # Entries of the rotation matrix, halved: horizontal part of the lateral axis (xy − wz,
+        # ½ − xx − zz), and heights of the forward and upward axes (xz − wy, ½ − xx − yy).
         sines = products[:2] - products[4:6]
-        sines *= 2
-        np.negative(sines[0], out=sines[0])
         cosines = products[2:4] + products[6:]
-        cosines *= -2
-        cosines += 1
+        np.subtract(0.5, cosines, out=cosines)
         rows = np.empty((len(MEASURES), columns.shape[1]))
-        angles, joints, rim = rows[:2], rows[2:4], rows[4]
-        np.arctan2(sines, cosines, out=angles)
-        angles *= _DEGREES
-        np.add(columns[16:18], columns[18:20], out=joints)
-        joints *= 0.5 * _DEGREES
-        np.add.reduce(columns[23:], axis=0, out=rim)
-        rim *= self._rim_mps
+        np.arctan2(sines, cosines, out=rows[:2])
+        np.add(columns[16:18], columns[18:20], out=rows[2:4])
+        np.add.reduce(columns[23:], axis=0, out=rows[4])
+        scaled = rows[:5]
+        scaled *= self._units
         rows[5:] = columns[20:23]
         return Measures(rows=rows)
 

@@ -7,7 +7,7 @@ import os
 from surmount.core.errors import ConfigError
 
 ENVS_PER_THREAD = 4
-"""Environments below which a further thread costs more than it brings (benchmarks/README)."""
+"""Environments that a further thread needs to be worth its while (ADR 41)."""
 
 
 def choose_threads(n_threads: int | None, num_envs: int) -> int:

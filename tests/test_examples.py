@@ -1,0 +1,53 @@
+"""The examples run as they stand, at a tiny scale."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
+
+
+def test_stable_baselines_trains_on_the_single_environment(capsys):
+    import train_sb3  # noqa: PLC0415
+
+    results = train_sb3.main(steps=64, heights_mm=(130.0,))
+    assert set(results) == {130.0}
+    for height_mm, info in results.items():
+        assert info["variant"].tolist() == [height_mm]
+        assert 0.0 < info["completion_time_s"] <= 20.0
+        assert info["is_success"] == (info["completion_time_s"] < 20.0)
+    assert capsys.readouterr().out.count("mm: ") == 1
+
+
+def test_skrl_trains_on_the_batched_environment():
+    import torch  # noqa: PLC0415
+
+    import train_skrl  # noqa: PLC0415
+
+    fresh, trained = (train_skrl.main(steps=steps, num_envs=4, rollouts=16) for steps in (0, 160))
+    weights = [agent.models["policy"].net[0].weight.detach().numpy() for agent in (fresh, trained)]
+    assert np.isfinite(weights[1]).all()
+    assert not np.array_equal(*weights)  # 2 updates of 64 decisions
+    assert torch.isfinite(trained.models["value"].net[-1].bias).all()
+
+
+def test_a_pushed_distribution_holds_across_the_automatic_resets_of_gymnasiums_vector_envs():
+    import gymnasium_vector  # noqa: PLC0415
+
+    results = gymnasium_vector.main(steps=105)
+    assert set(results) == {"sync", "async", "batched"}
+    for seen, ended in results.values():
+        assert ended >= 2  # an episode of 100 decisions in each of two environments
+        assert len(seen) >= 4
+        assert 180.0 <= min(seen) <= max(seen) <= 220.0
+    # Gymnasium resets singles in a step of their own; until then the three are alike.
+    first = [min(seen) for seen, _ in results.values()]
+    assert first[0] == first[1]
+
+
+@pytest.mark.parametrize("name", ["train_sb3", "train_skrl", "gymnasium_vector"])
+def test_examples_are_named_in_the_readme(name):
+    readme = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+    assert f"examples/{name}.py" in readme
