@@ -248,7 +248,7 @@ def _course(wanted: Wanted, run: RunFolder | None, name: str | None) -> tuple[Ob
                 f"{wanted.source} lies in no run and does not say which obstacle it belongs to.",
                 remedy=f"Give --obstacle {', '.join(OBSTACLES)}.",
             )
-        base = preset(name, "smoke")
+        base = preset(name, "paper")
     chosen = override(base, wanted.changes)
     if chosen.obstacle != base.obstacle:
         raise ConfigError(
