@@ -59,6 +59,14 @@ def read_fields(record: Mapping[str, Any], source: str) -> dict[str, Any]:
     return fields
 
 
+def _distances(values: Any) -> FloatArray:
+    """Return Hellinger distances, which lie between 0 and 1."""
+    distances = _floats(values, 2)
+    if not ((distances >= 0.0) & (distances <= 1.0)).all():
+        raise ValueError("a distance lies outside 0 to 1")
+    return distances
+
+
 def _fields(record: Mapping[str, Any]) -> dict[str, Any]:
     features, cut = record["features"], record["cut"]
     return {
@@ -86,7 +94,7 @@ def _fields(record: Mapping[str, Any]) -> dict[str, Any]:
         "bic": None if record["bic"] is None else _curve(record["bic"]),
         "bic_per_variant": tuple(_curve(curve) for curve in record["bic_per_variant"]),
         "mixtures": tuple(Mixture.from_record(mixture) for mixture in record["mixtures"]),
-        "distances": _floats(record["distances"], 2),
+        "distances": _distances(record["distances"]),
         "check": None if record["check"] is None else _check(record["check"]),
         "linkage": _floats(record["linkage"], 2),
         "inconsistency": _floats(record["inconsistency"], 1),
