@@ -17,7 +17,7 @@ from surmount.core.trial_table import read_trials, write_trials
 from surmount.envs import EnvConfig, find_obstacle
 from surmount.envs.replay import CAPTION
 from surmount.experiment import begin
-from surmount.experiment.footage import Wanted, hardest_mm, motions
+from surmount.experiment.footage import Wanted, motions
 from surmount.experiment.logged_trials import logged_motion, run_log
 from surmount.experiment.task_family import obstacle_family
 from surmount.learn import Actor, RolloutConfig, Snapshot, roll_out
@@ -116,7 +116,7 @@ def test_a_policy_moves_as_in_a_roll_out_with_the_same_seed(root, network):
 def test_files_of_a_run_take_its_configuration_which_may_be_changed(root):
     (motion,) = shown(root)
     assert motion.config == CONFIG.env
-    assert motion.size_mm == hardest_mm(find_obstacle("narrow-channel")) == 180.0
+    assert motion.size_mm == find_obstacle("narrow-channel").hardest == 180.0
     (motion,) = shown(root, changes={"env.episode_s": 0.5})
     assert motion.outcome == "had not reached the target after 0.50 s"
 

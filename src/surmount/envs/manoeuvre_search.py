@@ -168,15 +168,12 @@ class SearchResult:
         Manoeuvres tried in all.
     progress_m
         Largest progress of any trial, in m; see :class:`Trials`.
-    elite
-        The best of the last iteration, from which a search for another size may begin.
     """
 
     manoeuvre: Manoeuvre | None
     successes: tuple[Manoeuvre, ...]
     tried: int
     progress_m: float
-    elite: tuple[Manoeuvre, ...]
 
 
 def search(
@@ -220,7 +217,6 @@ def search(
         population[:near] = chosen + rng.normal(0.0, 0.1, (near, width)) * (high - low)
         population[near : near + len(given)] = given
     furthest, tried = -np.inf, 0
-    elite: list[Manoeuvre] = []
     for _ in range(config.iterations):
         population = np.clip(population, low, high)
         manoeuvres = [_manoeuvre(vector) for vector in population]
@@ -230,7 +226,6 @@ def search(
         furthest = max(furthest, float(trials.progress_m.max()))
         score = np.where(trials.success, 10.0 - np.nan_to_num(trials.time_s), 0.0)
         order = np.argsort(-(score + trials.progress_m), kind="stable")
-        elite = [manoeuvres[i] for i in order[: config.elite]]
         if trials.success.any():
             found = tuple(manoeuvres[i] for i in order[: int(trials.success.sum())])
             return SearchResult(
@@ -238,16 +233,13 @@ def search(
                 successes=found,
                 tried=tried,
                 progress_m=furthest,
-                elite=tuple(elite),
             )
         best = population[order[: config.elite]]
         centre, spread = best.mean(axis=0), best.std(axis=0)
         spread = np.maximum(spread, 0.03 * (high - low))
         population = rng.normal(centre, spread, (config.population, width))
         population[0] = best[0]
-    return SearchResult(
-        manoeuvre=None, successes=(), tried=tried, progress_m=furthest, elite=tuple(elite)
-    )
+    return SearchResult(manoeuvre=None, successes=(), tried=tried, progress_m=furthest)
 
 
 def _manoeuvre(vector: FloatArray) -> Manoeuvre:

@@ -63,6 +63,8 @@ class Obstacle:
         Distance between the variants that are tested, in mm.
     observes_pitch
         Whether pitch is observed; in the paper at the step only.
+    harder
+        1 where larger sizes are harder, −1 where smaller ones are.
     """
 
     name: ObstacleName
@@ -72,12 +74,18 @@ class Obstacle:
     upper: float
     spacing: float
     observes_pitch: bool
+    harder: Literal[1, -1]
 
     @property
     def variants(self) -> FloatArray:
         """Sizes that are tested, in mm, shape ``(variant,)``."""
         count = round((self.upper - self.lower) / self.spacing) + 1
         return self.lower + self.spacing * np.arange(count, dtype=np.float64)
+
+    @property
+    def hardest(self) -> float:
+        """Hardest size in mm: the highest step, the narrowest channel, the lowest entrance."""
+        return self.upper if self.harder > 0 else self.lower
 
     @property
     def admissible(self) -> tuple[float, float]:
@@ -107,6 +115,7 @@ OBSTACLES: Mapping[str, Obstacle] = MappingProxyType(
                 upper=320.0,
                 spacing=10.0,
                 observes_pitch=False,
+                harder=-1,
             ),
             Obstacle(
                 name="low-entrance",
@@ -116,6 +125,7 @@ OBSTACLES: Mapping[str, Obstacle] = MappingProxyType(
                 upper=140.0,
                 spacing=5.0,
                 observes_pitch=False,
+                harder=-1,
             ),
             Obstacle(
                 name="step",
@@ -125,6 +135,7 @@ OBSTACLES: Mapping[str, Obstacle] = MappingProxyType(
                 upper=50.0,
                 spacing=1.0,
                 observes_pitch=True,
+                harder=1,
             ),
         )
     }

@@ -74,7 +74,7 @@ def stored_manoeuvre(obstacle: str, size_mm: float) -> StoredManoeuvre:
         If the size is harder than every variant.
     """
     stored = stored_manoeuvres(obstacle)
-    if obstacle == "step":
+    if find_obstacle(obstacle).harder > 0:
         fitting = [found for found in stored if found.size_mm >= size_mm][:1]
     else:
         fitting = [found for found in stored if found.size_mm <= size_mm][-1:]

@@ -100,11 +100,6 @@ def motions(wanted: Wanted) -> Iterator[Motion]:
     )
 
 
-def hardest_mm(obstacle: Obstacle) -> float:
-    """Return the hardest size in mm: the highest step, the narrowest channel, the lowest lintel."""
-    return obstacle.upper if obstacle.name == "step" else obstacle.lower
-
-
 # Runs ------------------------------------------------------------------------------------------
 
 
@@ -159,7 +154,7 @@ def _by_script(wanted: Wanted, path: Path | None) -> Iterator[Motion]:
     else:
         _refuse(wanted, "a manoeuvre's file", standing="--stand")
     obstacle, config = _course(wanted, None, wanted.source if path is None else wanted.obstacle)
-    for size_mm in wanted.sizes_mm or (hardest_mm(obstacle),):
+    for size_mm in wanted.sizes_mm or (obstacle.hardest,):
         if wanted.standing:
             yield record_motion(
                 obstacle, config, size_mm, stand_still, caption="standing", longest_s=STANDING_S
@@ -198,7 +193,7 @@ def _by_network(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -
     obstacle, config = _course(wanted, run, wanted.obstacle)
     network = Snapshot.load(path)
     seed = wanted.seed or 0
-    for size_mm in wanted.sizes_mm or (hardest_mm(obstacle),):
+    for size_mm in wanted.sizes_mm or (obstacle.hardest,):
         pilot = PolicyPilot(network, obstacle, seed=seed, deterministic=wanted.deterministic)
         drawn = "its mean actions" if wanted.deterministic else f"actions drawn by seed {seed}"
         yield record_motion(
@@ -223,7 +218,7 @@ def _logged(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> It
             )
         log = Log(source=path.name, trials=table, obstacle=obstacle, config=config)
     sizes = log.sizes_mm
-    default = sizes[-1] if log.obstacle.name == "step" else sizes[0]
+    default = sizes[-1] if log.obstacle.harder > 0 else sizes[0]
     for size_mm in wanted.sizes_mm or (float(default),):
         for repetition in wanted.trials or (int(table.repetition.min()),):
             yield logged_motion(log, log.find(size_mm, repetition, wanted.network))

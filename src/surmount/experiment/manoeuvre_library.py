@@ -75,7 +75,7 @@ class Examiner:
     """
 
     def __init__(self, obstacle: Obstacle, env: EnvConfig) -> None:
-        self._harder = 1.0 if obstacle.name == "step" else -1.0
+        self._harder = obstacle.harder
         self._envs = [
             replace(
                 env,
@@ -151,8 +151,8 @@ def build_library(
     examiner = Examiner(obstacle, env)
     config = SearchConfig()
     simulation = Simulation(obstacle, env, config.population, 1)
-    sizes = obstacle.variants if obstacle.name == "step" else obstacle.variants[::-1]
-    known = _promising(examiner, float(sizes[-1]))
+    sizes = obstacle.variants[:: obstacle.harder]
+    known = _promising(examiner, obstacle.hardest)
     library: list[dict[str, Any]] = []
     for size in sizes.tolist():
         # What served easier variants may serve this one too, and costs no search.

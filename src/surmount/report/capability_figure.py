@@ -10,9 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from surmount.core.records import write_atomically
 from surmount.report.palette import INK, MUTED
-from surmount.report.stills import axes_grid, csv_text, draw
+from surmount.report.stills import axes_grid, draw, write_still
 
 HARDEST_MM = {"narrow-channel": 180.0, "low-entrance": 55.0, "step": 50.0}
 """The paper's hardest variants (III-C)."""
@@ -29,8 +28,6 @@ def write_capability_figure(record: Mapping[str, Any], folder: Path) -> None:
         Where the files go.
     """
     files = draw(lambda: _draw(record))
-    write_atomically(folder / "capability.svg", files.svg)
-    write_atomically(folder / "capability.png", files.png)
     cells = [(column, cell) for column in record["columns"] for cell in column["cells"]]
     table = {
         **{
@@ -39,7 +36,7 @@ def write_capability_figure(record: Mapping[str, Any], folder: Path) -> None:
         },
         **{name: [cell[name] for _, cell in cells] for name in ("size_mm", "feasible", "tried")},
     }
-    write_atomically(folder / "capability.csv", csv_text(table).encode())
+    write_still(folder, "capability", files, table)
 
 
 def _draw(record: Mapping[str, Any]) -> Figure:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from surmount.core.records import write_atomically
 from surmount.report.palette import INK, MUTED
-from surmount.report.stills import axes_grid, csv_text, draw
+from surmount.report.stills import axes_grid, draw, write_still
 
 OBSTACLES = ("narrow-channel", "low-entrance", "step")
 ROW_IN = 1.25
@@ -30,8 +29,6 @@ def write_initiation_figure(record: Mapping[str, Any], folder: Path) -> None:
         Where the files go.
     """
     files = draw(lambda: _draw(record["settings"]))
-    write_atomically(folder / "initiations.svg", files.svg)
-    write_atomically(folder / "initiations.png", files.png)
     rows = [
         (name, obstacle, network, variant, share)
         for name, setting in record["settings"].items()
@@ -41,7 +38,7 @@ def write_initiation_figure(record: Mapping[str, Any], folder: Path) -> None:
     ]
     names = ("setting", "obstacle", "network", "variant_mm", "success")
     columns = {name: [row[index] for row in rows] for index, name in enumerate(names)}
-    write_atomically(folder / "initiations.csv", csv_text(columns).encode())
+    write_still(folder, "initiations", files, columns)
 
 
 def _draw(settings: Mapping[str, Any]) -> Figure:

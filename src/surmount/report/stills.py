@@ -7,12 +7,14 @@ import io
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
+from surmount.core.records import write_atomically
 from surmount.report.document import Columns
 from surmount.report.palette import GRID, INK
 
@@ -87,6 +89,13 @@ def draw(still: Callable[[], StillFigure]) -> StillFiles:
         figure.set_layout_engine("none")  # as it was laid out for the SVG
         figure.savefig(png, format="png", metadata={"Software": "Surmount"}, dpi=PNG_DPI)
     return StillFiles(svg=svg.getvalue(), png=png.getvalue())
+
+
+def write_still(folder: Path, name: str, files: StillFiles, data: Columns) -> None:
+    """Write a still and its data: ``<name>.svg``, ``.png`` and ``.csv``."""
+    write_atomically(folder / f"{name}.svg", files.svg)
+    write_atomically(folder / f"{name}.png", files.png)
+    write_atomically(folder / f"{name}.csv", csv_text(data).encode())
 
 
 def csv_text(columns: Columns) -> str:

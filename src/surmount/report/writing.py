@@ -15,7 +15,7 @@ from surmount.report.fit_figure import mixture_fit
 from surmount.report.grouping_figure import distances_and_groups
 from surmount.report.page import page
 from surmount.report.results import read_run
-from surmount.report.stills import StillFiles, csv_text, draw
+from surmount.report.stills import StillFiles, draw, write_still
 
 PAGE = "report.html"
 FIGURES = "figures"
@@ -42,8 +42,5 @@ def write_figures_of_analysis(record: Mapping[str, Any], out: Path) -> tuple[Pat
 def _write_figures(figures: Sequence[Figure], folder: Path) -> dict[str, StillFiles]:
     stills = {figure.name: draw(figure.still) for figure in figures}
     for figure in figures:
-        still = stills[figure.name]
-        write_atomically(folder / f"{figure.name}.svg", still.svg)
-        write_atomically(folder / f"{figure.name}.png", still.png)
-        write_atomically(folder / f"{figure.name}.csv", csv_text(figure.data).encode())
+        write_still(folder, figure.name, stills[figure.name], figure.data)
     return stills
