@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
@@ -94,6 +95,49 @@ def test_a_missing_extra_ends_with_code_6(tmp_path):
     assert done.returncode == 6
     assert "pip install 'surmount[robot]'" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_way_to_draw_that_is_not_there_ends_with_code_2():
+    done = subprocess.run(
+        [sys.executable, "-c", "from surmount.cli import main; main(['config', 'step'])"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"MUJOCO_GL": "crayons"},
+    )
+    assert done.returncode == 2
+    assert "MUJOCO_GL=crayons" in done.stderr
+    assert "Unset MUJOCO_GL" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_analyze_needs_none_of_the_laboratory(tmp_path):
+    write_trials(tmp_path / "trials.csv", two_behaviours())
+    program = """
+import sys
+from surmount.cli.main import run
+
+class Laboratory:  # as if it were not installed
+    def find_spec(name, path, target=None):
+        if name in ("mujoco", "gymnasium", "torch", "stable_baselines3", "safetensors", "av"):
+            raise ModuleNotFoundError(name, name=name)
+
+sys.meta_path.insert(0, Laboratory)
+sys.exit(run(sys.argv[1:]))
+"""
+    call = ["analyze", str(tmp_path / "trials.csv"), "--out", str(tmp_path / "out")]
+    call += ["--set", "components=2", "--set", "bootstrap=0"]
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", program, *call], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "curriculum.json").is_file()
+    listed = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=False
+    )
+    assert listed.returncode == 0
+    assert "analyze" in listed.stdout
+    assert "reproduce" not in listed.stdout
 
 
 def test_a_printed_configuration_is_read_back_unchanged(capsys, tmp_path):

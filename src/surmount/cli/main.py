@@ -19,9 +19,10 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from importlib import import_module
 
-from surmount.core.errors import SurmountError
+from surmount.core.errors import ConfigError, SurmountError
 from surmount.core.extras import missing_extra
 
 INTERRUPTED = 130
@@ -51,37 +52,58 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 0
 
 
+VERBS = (
+    "reproduce",
+    "analyze",
+    "report",
+    "show",
+    "render",
+    "view",
+    "capability",
+    "initiations",
+    "manoeuvres",
+    "config",
+)
+"""Each is a function in the module of its name."""
+
+
 def _dispatch(arguments: Sequence[str] | None) -> int:
     import tyro  # noqa: PLC0415 - an extra: its absence is told in a sentence
 
-    from surmount.cli.analyze import analyze  # noqa: PLC0415
-    from surmount.cli.capability import capability  # noqa: PLC0415
-    from surmount.cli.config import config  # noqa: PLC0415
-    from surmount.cli.initiations import initiations  # noqa: PLC0415
-    from surmount.cli.manoeuvres import manoeuvres  # noqa: PLC0415
-    from surmount.cli.render import render  # noqa: PLC0415
-    from surmount.cli.report import report  # noqa: PLC0415
-    from surmount.cli.reproduce import reproduce  # noqa: PLC0415
-    from surmount.cli.show import show  # noqa: PLC0415
-    from surmount.cli.view import view  # noqa: PLC0415
-
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    if given and given[0] in VERBS:  # needs the extras of this verb, and of no other
+        verb = given[0]
+        return tyro.cli(_function(verb), prog=f"surmount {verb}", args=given[1:])
     return tyro.extras.subcommand_cli_from_dict(
-        {
-            "reproduce": reproduce,
-            "analyze": analyze,
-            "report": report,
-            "show": show,
-            "render": render,
-            "view": view,
-            "capability": capability,
-            "initiations": initiations,
-            "manoeuvres": manoeuvres,
-            "config": config,
-        },
+        {verb: _function(verb) for verb in VERBS if _is_installed(verb)},
         prog="surmount",
         description="Determine a reinforcement-learning curriculum from the robot's own behaviour.",
-        args=arguments,
+        args=given,
     )
+
+
+def _function(verb: str) -> Callable[..., int]:
+    try:
+        module = import_module(f"surmount.cli.{verb}")
+    except Exception as error:
+        asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported, for any verb
+        if not asked or isinstance(error, ModuleNotFoundError | SurmountError):
+            raise
+        raise ConfigError(
+            f"MuJoCo cannot draw as MUJOCO_GL={asked} asks ({error}).",
+            remedy="Unset MUJOCO_GL: a way to draw is found without it.",
+        ) from error
+    return getattr(module, verb)
+
+
+def _is_installed(verb: str) -> bool:
+    try:
+        _function(verb)
+    except ModuleNotFoundError as error:
+        if missing_extra(error) is None:
+            raise
+        return False
+    return True
 
 
 def _complain(error: SurmountError) -> int:
