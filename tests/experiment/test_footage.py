@@ -16,6 +16,7 @@ from surmount.core.run_folder import open_run
 from surmount.core.trial_table import read_trials, write_trials
 from surmount.envs import EnvConfig, find_obstacle
 from surmount.envs.replay import CAPTION
+from surmount.envs.stored_manoeuvres import stored_manoeuvre
 from surmount.experiment import begin
 from surmount.experiment.footage import Wanted, motions
 from surmount.experiment.logged_trials import logged_motion, run_log
@@ -56,6 +57,22 @@ def test_a_trial_simulated_again_equals_its_log_to_the_last_bit(root, table):
         assert motion.caption.endswith("simulated again: equal to its log")
         assert motion.size_mm == trials.variant[trial, 0]
         assert motion.success == trials.success[trial]
+
+
+def test_a_trial_with_randomised_physics_is_simulated_again_with_its_own_draws(tmp_path):
+    ranges = {
+        "env.randomisation.friction_factor": [0.7, 1.3],
+        "env.randomisation.mass_factor": [0.8, 1.2],
+        "env.randomisation.action_delay_decisions": [0, 2],
+        "env.randomisation.joint_noise_deg": 1.0,
+        "env.episode_s": 1.0,
+        "initial_steps": 0,
+    }
+    root = run_first_stages(tmp_path / "run", small_config(networks=1, **ranges))
+    found = shown(root, stage="trials/network-0", sizes_mm=(180.0, 300.0), trials=(0, 1))
+    for motion in found:
+        assert motion.caption.endswith("simulated again: equal to its log")
+    assert len({motion.qpos[-1, 0] for motion in found}) == 4
 
 
 def test_trials_are_found_by_variant_and_number(root, table):
@@ -141,6 +158,21 @@ def test_a_manoeuvre_is_played_on_every_size_asked_for(tmp_path):
     assert narrow.success  # at a sprawl of 20° RSTAR is 178 mm wide
     assert wide.success
     assert wide.features[-1, 1] == pytest.approx(20.0, abs=1.0)
+
+
+@pytest.mark.parametrize("name", ["narrow-channel", "low-entrance", "step"])
+def test_an_obstacle_is_shown_with_the_manoeuvre_stored_for_its_hardest_variant(name):
+    (motion,) = shown(name)
+    assert motion.size_mm == hardest_mm(find_obstacle(name))
+    assert motion.success
+    # The time that the search measured.
+    assert motion.duration_s == pytest.approx(stored_manoeuvre(name, motion.size_mm).time_s)
+
+
+def test_a_size_between_variants_takes_the_next_harder_manoeuvre():
+    (motion,) = shown("narrow-channel", sizes_mm=(315.5,))
+    assert motion.caption == "stored manoeuvre for 310 mm"
+    assert motion.success
 
 
 def test_a_robot_may_just_stand():

@@ -79,6 +79,8 @@ def record_motion(
     pilot: Pilot,
     *,
     caption: str,
+    seed: int = 0,
+    stream: int = 0,
     longest_s: float = float("inf"),
 ) -> Motion:
     """Simulate an episode from the fixed start and keep its motion, at every physics tick.
@@ -93,6 +95,9 @@ def record_motion(
         Decides.
     caption
         What the pilot is, in words.
+    seed, stream
+        Where the configuration randomises, draw as environment ``stream`` of a vector environment
+        with this seed.
     longest_s
         Time in s after which to stop, if the episode has not ended.
 
@@ -104,7 +109,10 @@ def record_motion(
     env = ObstacleVectorEnv(obstacle.name, 1, config=config, autoreset_mode=AutoresetMode.DISABLED)
     simulation = env.simulation
     controls: FloatArray = simulation.batch.bind("ctrl")
-    observations, infos = env.reset(seed=0, options={"variant": size_mm, "start": "fixed"})
+    child = np.random.SeedSequence(seed, spawn_key=(stream,))
+    env.generator(0).bit_generator.state = np.random.PCG64(child).state
+    observations, infos = env.reset(options={"variant": size_mm, "start": "fixed"})
+    model = simulation.batch.get_model(0)
     data = simulation.batch.get_data(0)
     qpos: list[FloatArray] = [data.qpos.copy()]
     features: list[FloatArray] = [infos["features"][0].copy()]
@@ -120,7 +128,7 @@ def record_motion(
         # The batch shows no ticks within a decision: repeat them, to the same bits (tested).
         data.ctrl[:] = controls[0]
         for _ in range(config.ticks_per_decision):
-            mujoco.mj_step(simulation.model, data)
+            mujoco.mj_step(model, data)
             qpos.append(data.qpos.copy())
     env.close()
     return Motion(

@@ -197,7 +197,12 @@ def _by_network(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -
         pilot = PolicyPilot(network, obstacle, seed=seed, deterministic=wanted.deterministic)
         drawn = "its mean actions" if wanted.deterministic else f"actions drawn by seed {seed}"
         yield record_motion(
-            obstacle, config, size_mm, pilot, caption=f"{stage or path.name}, {drawn}"
+            obstacle,
+            config,
+            size_mm,
+            pilot,
+            caption=f"{stage or path.name}, {drawn}",
+            seed=seed,
         )
 
 

@@ -117,7 +117,9 @@ def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
         trials=log.trials.n_trials,
         trial=trial,
     )
-    return record_motion(log.obstacle, log.config, size_mm, pilot, caption="")
+    return record_motion(
+        log.obstacle, log.config, size_mm, pilot, caption="", seed=stage.seed, stream=trial
+    )
 
 
 def _definition(run: RunFolder, name: str) -> Stage | None:
