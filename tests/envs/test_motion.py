@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.errors import InputError
 from surmount.envs import EnvConfig, ObstacleVectorEnv, find_obstacle
+from surmount.envs.manoeuvre import Player
 from surmount.envs.motion import Puppet, record_motion, stand_still
 from surmount.envs.obstacles import block_positions
+from surmount.envs.stored_manoeuvres import stored_manoeuvres
 
 STEP = find_obstacle("step")
 CONFIG = EnvConfig(decision_interval_s=0.1, episode_s=2.0)
@@ -81,3 +84,30 @@ def test_a_puppet_stands_where_the_motion_says_before_the_variant_it_says(name):
         expected = block_positions(obstacle, CONFIG.course, np.array([motion.size_mm]))[0]
         np.testing.assert_array_equal(data.mocap_pos, expected)
         assert (puppet.at(99.0).qpos == motion.qpos[-1]).all()
+
+
+@pytest.mark.parametrize("name", ["narrow-channel", "low-entrance", "step"])
+def test_in_a_motion_nothing_floats_and_nothing_enters_another(name):
+    config, stored = EnvConfig(), stored_manoeuvres(name)
+    hardest = stored[-1 if name == "step" else 0]
+    player = Player([hardest.manoeuvre], config.decision_interval_s)
+    obstacle = find_obstacle(name)
+    motion = record_motion(
+        obstacle, config, hardest.size_mm, lambda _, x_m: player.act(x_m), caption=""
+    )
+    assert motion.success
+    puppet = Puppet(motion)
+    model = puppet.model
+    robot, world = np.flatnonzero(model.geom_contype), np.flatnonzero(model.geom_conaffinity)
+    gaps_mm = []
+    for time_s in motion.time_s[::8]:
+        data = puppet.at(time_s)
+        gaps = [
+            mujoco.mj_geomDistance(model, data, part, other, 0.01, None)
+            for part in robot
+            for other in world
+        ]
+        gaps_mm.append(1e3 * min(gaps))
+    # Contacts give by some tenths of a millimetre, and moving legs make the wheels hop as far.
+    assert min(gaps_mm) > -1.0
+    assert max(gaps_mm) < 1.0

@@ -181,7 +181,7 @@ def _add_view(spec: mujoco.MjSpec) -> None:
         )
     spec.worldbody.add_camera(
         name=COURSE_CAMERA,
-        pos=[-0.34, -0.85, 0.42],
-        xyaxes=[0.93, -0.368, 0.0, 0.158, 0.399, 0.903],
-        fovy=42,
+        pos=[-0.22, -0.85, 0.38],
+        xyaxes=[0.959, -0.282, 0.0, 0.0985, 0.335, 0.937],
+        fovy=40,
     )
