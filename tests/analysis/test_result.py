@@ -16,7 +16,9 @@ from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.errors import InputError, SurmountError
 
 FAMILY = SyntheticFamily(sizes=(3, 3), behaviours=(0, 1), separation=9.0, trials=6, steps=30)
-CONFIG = AnalysisConfig(components=2, restarts=1, bootstrap=2, bootstrap_samples=50)
+CONFIG = AnalysisConfig(
+    components=2, restarts=1, bootstrap=2, bootstrap_samples=50, check_distances=True
+)
 RECORD = json.loads(json.dumps(determine_curriculum(FAMILY.generate(), CONFIG).to_record()))
 
 
