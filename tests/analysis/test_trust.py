@@ -39,7 +39,7 @@ def test_clear_groups_are_called_stable_with_their_numbers(analysis: Analysis):
     same = sum(row.agreement > 1 - 1e-9 for row in analysis.sensitivity if row.choice != "networks")
     choices = sum(row.choice != "networks" for row in analysis.sensitivity)
     assert f"{same} of {choices} times the groups are the same" in text
-    assert "only 0 2 groups (index 1.00)" in text
+    assert "these groups: 0 2 groups (1.00), 1 2 groups (1.00)" in text
 
 
 @pytest.mark.parametrize(

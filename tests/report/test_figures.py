@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
 import polars as pl
@@ -15,7 +16,7 @@ from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
 from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.records import read_record
 from surmount.core.run_layout import TRIALS
-from surmount.report import write_analysis_figures
+from surmount.report import write_analysis_report
 from surmount.report.contents import document_of
 from surmount.report.dendrogram_layout import layout
 from surmount.report.fit_figure import mixture_fit
@@ -102,6 +103,26 @@ def test_figure_6_shows_the_distances_and_links_of_the_analysis(reported):
     links = [row for row in rows if row["kind"] == "link"]
     assert [float(row["distance"]) for row in links] == [link[2] for link in analysis["linkage"]]
     assert [row["divided"] == "true" for row in links] == analysis["cut"]["divided"]
+
+
+def test_success_and_stability_are_those_of_trials_and_replicates(reported, trials):
+    analysis = read_record(reported.stages["analysis"].path("analysis.json"))
+    rows = reported.rows("success-and-stability")
+    shown = {float(row["first"]): row for row in rows if row["kind"] == "variant"}
+    initiation = trials.filter(pl.col("stage") == "initiation").group_by("variant.height_mm")
+    for variant, won, tried in initiation.agg(
+        pl.col("success").sum(), pl.len().alias("trials")
+    ).iter_rows():
+        row = shown[variant]
+        assert (int(row["trials"]), float(row["success"])) == (tried, pytest.approx(won / tried))
+        wilson = scipy.stats.binomtest(won, tried).proportion_ci(method="wilson")
+        assert float(row["lower"]) == pytest.approx(wilson.low, abs=EXACT)
+        assert float(row["upper"]) == pytest.approx(wilson.high, abs=EXACT)
+    pairs = [float(row["together"]) for row in rows if row["kind"] == "pair"]
+    assert pairs == list(itertools.chain(*analysis["stability"]["co_membership"]))
+    between = [row["boundary_after"] for row in rows if row["kind"] == "variant"]
+    assert [float(share) for share in between[:-1]] == analysis["stability"]["boundaries"]
+    assert between[-1] == ""
 
 
 def test_the_dendrogram_is_scipys_with_the_groups_below_the_cut(reported):
@@ -299,8 +320,8 @@ def test_trials_of_any_task_have_figures(tmp_path, features):
         features=generated.features[:, :features],
     )
     analysis = determine_curriculum(trials, AnalysisConfig(components=2, bootstrap=0))
-    write_analysis_figures(analysis.to_record(), tmp_path)
-    text = (tmp_path / "figure-5-mixture-fit.csv").read_text(encoding="utf-8")
+    write_analysis_report(analysis.to_record(), tmp_path)
+    text = (tmp_path / "figures" / "figure-5-mixture-fit.csv").read_text(encoding="utf-8")
     assert text.splitlines()[0].split(",")[1 : 1 + features] == list(analysis.features.names)
     assert text.count("\nsampled,") == len(analysis.sampled)
     section = grouping_section(analysis)

@@ -13,10 +13,12 @@ import pytest
 from page_reader import PageReader
 from run_builder import SMALL, RunBuilder
 
+from surmount.analysis import Analysis, describe_trust
+from surmount.analysis.explanation import link_table
 from surmount.core.errors import InputError, IntegrityError, MissingExtraError, OutputError
 from surmount.core.records import read_record, write_record
 from surmount.experiment.stages import analyse
-from surmount.report import write_analysis_figures, write_report
+from surmount.report import write_analysis_report, write_report
 from surmount.report.contents import document_of
 from surmount.report.page import page
 from surmount.report.results import read_run
@@ -26,6 +28,7 @@ from surmount.report.text import short
 FIGURES = {
     "figure-5-mixture-fit",
     "figure-6-distances-and-groups",
+    "success-and-stability",
     "figure-7-learning-curves",
     "figure-7b-training-success",
     "figure-8-success",
@@ -151,11 +154,11 @@ def test_hostile_names_are_shown_as_text_and_never_as_markup(tmp_path):
     [
         (("initiation/network-0",), "trials/network-1", 2),
         (("initiation", "trials"), "analysis", 2),
-        (("initiation", "trials", "analysis"), "statistics", 4),
+        (("initiation", "trials", "analysis"), "statistics", 5),
         (
             ("initiation", "trials", "analysis", "curriculum", "test-curriculum"),
             "control/network-0",
-            5,
+            6,
         ),
     ],
 )
@@ -281,18 +284,24 @@ def test_templates_and_style_lie_beside_the_code():
     assert {"page.html.j2", "page.css", "page.js"} <= names
 
 
-def test_analysis_figures_are_drawn_from_the_record_alone(reported, tmp_path):
+def test_page_of_an_analysis_is_made_from_the_record_alone(reported, tmp_path):
     record = read_record(reported.stages["analysis"].path("analysis.json"))
-    paths = write_analysis_figures(record, tmp_path)
-    assert [path.name for path in paths] == [
-        "figure-5-mixture-fit.svg",
-        "figure-6-distances-and-groups.svg",
-    ]
-    assert all(
-        path.read_bytes() == (reported.root / "figures" / path.name).read_bytes() for path in paths
-    )
+    page_file = write_analysis_report(record, tmp_path)
+    figures = sorted((tmp_path / "figures").iterdir())
+    assert {path.stem for path in figures} == {
+        "figure-5-mixture-fit", "figure-6-distances-and-groups", "success-and-stability",
+    }  # fmt: skip
+    for path in figures:
+        assert path.read_bytes() == (reported.root / "figures" / path.name).read_bytes()
+    read = PageReader(page_file.read_text(encoding="utf-8"))
+    assert read.problems == []
+    analysis = Analysis.from_record(record)
+    for sentence in (*describe_trust(analysis), *analysis.warnings):
+        assert sentence in read.text
+    header, links = link_table(analysis)
+    assert all(cell in read.text for row in (header, *links) for cell in row)
     with pytest.raises(InputError):
-        write_analysis_figures({"kind": "something else"}, tmp_path)
+        write_analysis_report({"kind": "something else"}, tmp_path)
 
 
 def _page(root, *, drawn):

@@ -71,7 +71,7 @@ class AnalysisConfig:
         Rule that cuts the dendrogram into groups; see ``docs/adr/0010-cut-rule.md``. Assumed.
     cut_off
         Threshold of the rule: how many times wider than the usual gap inside its tighter side a
-        link's gap must be (``"abrupt"``, 1.6 by default) or the inconsistency coefficient
+        link's gap must be (``"abrupt"``, 1.5 by default) or the inconsistency coefficient
         (``"inconsistency"``, 2.4 by default); 0 takes the rule's default. Unused by the other
         rules. Assumed.
     inconsistency_depth

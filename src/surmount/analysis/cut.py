@@ -10,8 +10,8 @@ from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.dendrogram import Dendrogram
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 
-DEFAULT_CUT_OFF = {"abrupt": 1.6, "inconsistency": 2.4}
-"""Cut-offs where the configuration gives none; measured in ``docs/adr/0010-cut-rule.md``."""
+DEFAULT_CUT_OFF = {"abrupt": 1.5, "inconsistency": 2.4}
+"""Cut-offs where the configuration gives none; measured in ``docs/adr/0011-networks-pooled.md``."""
 _SMALLEST_GAP = 1e-3
 """Gaps below this are no change at all: identical recordings must not make all else abrupt."""
 _QUANTILE = 0.25

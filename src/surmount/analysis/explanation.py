@@ -147,8 +147,13 @@ def _explain_check(
 
 
 def _explain_links(analysis: Analysis) -> Iterator[str]:
+    yield f"Linkage: {analysis.config.linkage}. Cut: {describe_rule(analysis)}"
+    yield from table_lines(*link_table(analysis))
+
+
+def link_table(analysis: Analysis) -> tuple[list[str], list[list[str]]]:
+    """Return a heading and a row for each link: what it joins, its measures, and the decision."""
     dendrogram, cut = analysis.dendrogram, analysis.cut
-    yield f"Linkage: {analysis.config.linkage}. Cut: {_describe_rule(analysis)}"
     abrupt = cut.method == "abrupt"
     gaps = link_gaps(dendrogram, analysis.distances) if abrupt else cut.statistic
     header = ["one side", "other side", "height", "incons.", "depth 2", "decision"]
@@ -169,7 +174,7 @@ def _explain_links(analysis: Analysis) -> Iterator[str]:
         if abrupt:
             row[3:3] = _gap_cells(float(gaps[link]), float(cut.statistic[link]))
         rows.append(row)
-    yield from table_lines(header, rows)
+    return header, rows
 
 
 def _gap_cells(gap: float, ratio: float) -> list[str]:
@@ -181,7 +186,8 @@ def _gap_cells(gap: float, ratio: float) -> list[str]:
     ]
 
 
-def _describe_rule(analysis: Analysis) -> str:
+def describe_rule(analysis: Analysis) -> str:
+    """Return how the cut decided, as the end of a sentence."""
     cut = analysis.cut
     if cut.method == "abrupt":
         return (

@@ -139,8 +139,11 @@ def _about_networks(analysis: Analysis) -> list[str]:
     alone = [row for row in analysis.sensitivity if row.choice == NETWORKS]
     if alone:
         listed = ", ".join(
-            f"{row.value} {counted(row.n_groups, 'group')} (index {row.agreement:.2f})"
+            f"{row.value.removeprefix('only ')} {counted(row.n_groups, 'group')} "
+            f"({row.agreement:.2f})"
             for row in alone
         )
-        sentences.append(f"Each network by itself: {listed}.")
+        sentences.append(
+            f"Each network by itself, with the adjusted Rand index to these groups: {listed}."
+        )
     return sentences

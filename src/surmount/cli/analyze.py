@@ -17,7 +17,7 @@ from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
 from surmount.core.store import output_errors, sole_user
 from surmount.core.trial_table import read_trials
-from surmount.report import write_analysis_figures
+from surmount.report import write_analysis_report
 
 
 def analyze(
@@ -30,7 +30,7 @@ def analyze(
     """Turn logged trials into a curriculum, with every reason kept.
 
     Writes curriculum.json (to read, edit and train by), analysis.json (the evidence; see `surmount
-    show --why`) and figures.
+    show --why`), report.html (the same as a page) and its figures.
 
     Args:
         trials: Long table, Parquet or CSV: variant, network, trial, success, then one column per
@@ -47,10 +47,11 @@ def analyze(
         analysis = determine_curriculum(table, chosen)
         analysis.save(out / "analysis.json")
         analysis.curriculum.save(out / "curriculum.json")
-        write_analysis_figures(analysis.to_record(), out / "figures")
+        page = write_analysis_report(analysis.to_record(), out)
     print("\n".join(describe_curriculum(analysis.curriculum)))
     print("\nHow far to trust it")
     for sentence in (*describe_trust(analysis), *analysis.warnings):
         print(f"  {sentence}")
     print(f"\nWritten to {out}: curriculum.json, analysis.json, figures/")
+    print(f"To read: {page}")
     return 0

@@ -13,7 +13,7 @@ from typing import Any
 
 from surmount.core.extras import missing_extra
 
-__all__ = ["write_analysis_figures", "write_report"]
+__all__ = ["write_analysis_report", "write_report"]
 
 
 def write_report(root: Path | str) -> Path:
@@ -49,20 +49,20 @@ def write_report(root: Path | str) -> Path:
         return write_run_report(Path(root))
 
 
-def write_analysis_figures(analysis_record: Mapping[str, Any], out: Path | str) -> tuple[Path, ...]:
-    """Write figures 5 and 6 of an analysis of any trials.
+def write_analysis_report(analysis_record: Mapping[str, Any], root: Path | str) -> Path:
+    """Write ``report.html`` and ``figures/`` of an analysis of any trials.
 
     Parameters
     ----------
     analysis_record
         The JSON form of an analysis, as ``analysis.json`` holds it.
-    out
-        Folder for the figures as SVG and PNG, with their data as CSV.
+    root
+        Folder for the page and the folder of figures.
 
     Returns
     -------
-    tuple of Path
-        The SVG files.
+    Path
+        The page; ``figures/`` beside it has each figure as SVG and PNG, with its data as CSV.
 
     Raises
     ------
@@ -71,12 +71,12 @@ def write_analysis_figures(analysis_record: Mapping[str, Any], out: Path | str) 
     OutputError
         If the folder cannot be written.
     MissingExtraError
-        If the extra ``report`` is not installed.
+        If the extras ``report`` and ``tables`` are not installed.
     """
     with _extras():
-        from surmount.report.writing import write_figures_of_analysis  # noqa: PLC0415 - an extra
+        from surmount.report.writing import write_analysis_page  # noqa: PLC0415 - an extra
 
-        return write_figures_of_analysis(analysis_record, Path(out))
+        return write_analysis_page(analysis_record, Path(root))
 
 
 @contextmanager

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import plotly.graph_objects as go
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure as StillFigure
-from matplotlib.patches import Rectangle
 
 from surmount.analysis import Analysis
 from surmount.report.dendrogram_layout import DendrogramLayout, layout
 from surmount.report.document import Columns, Figure, LegendEntry, Panel
-from surmount.report.palette import INK, MUTED, PAPER, SEQUENTIAL, group_colour
+from surmount.report.palette import INK, MUTED, PAPER, group_colour
 from surmount.report.plots import compact, hover, plain, plot
 from surmount.report.stills import axes_grid
-from surmount.report.text import axis_label, number, percent, short, variant_label
+from surmount.report.text import number, percent, short, variant_label
+from surmount.report.variant_matrix import draw_matrix, matrix_panel, variant_title
 
 ABOVE = "#555555"
 """Links above all groups."""
@@ -31,7 +28,11 @@ def distances_and_groups(analysis: Analysis) -> Figure:
     n = analysis.variants.shape[0]
     height = max(330, LEAF_PX * n + 80)
     panels = [
-        Panel(plot=_matrix_panel(analysis), height_px=height, title="Distances between variants"),
+        Panel(
+            plot=matrix_panel(analysis, analysis.distances, "distance {:.3f}".format),
+            height_px=height,
+            title="Distances between variants",
+        ),
         Panel(plot=_tree_panel(analysis, drawn), height_px=height, title="Dendrogram and groups"),
     ]
     names = [group.name for group in analysis.groups]
@@ -91,84 +92,8 @@ def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _matrix_panel(analysis: Analysis) -> go.Figure:
-    labels = [variant_label(variant) for variant in analysis.variants]
-    title = _variant_title(analysis)
-    figure = plot(x_title=title, y_title=title)
-    n = len(labels)
-    names = [analysis.groups[group].name for group in analysis.labels]
-    figure.add_trace(
-        go.Heatmap(
-            z=compact(analysis.distances),
-            x=np.arange(n),
-            y=np.arange(n),
-            zmin=0,
-            zmax=1,
-            colorscale=[list(stop) for stop in SEQUENTIAL],
-            hovertext=[
-                [
-                    hover(
-                        f"{labels[row]} ({names[row]}) and {labels[column]} ({names[column]})",
-                        f"distance {analysis.distances[row, column]:.3f}",
-                    )
-                    for column in range(n)
-                ]
-                for row in range(n)
-            ],
-            hoverinfo="text",
-            colorbar={
-                "orientation": "h",
-                "thickness": 9,
-                "len": 0.6,
-                "y": 1.0,
-                "yanchor": "bottom",
-                "tickvals": [0, 0.5, 1],
-                "outlinewidth": 0,
-            },
-        )
-    )
-    for start, stop in _runs(analysis):
-        figure.add_shape(
-            type="rect",
-            x0=start - 0.5,
-            x1=stop + 0.5,
-            y0=start - 0.5,
-            y1=stop + 0.5,
-            line={"color": group_colour(int(analysis.labels[start])), "width": 3},
-        )
-    ticks = _ticks(n)
-    axis: dict[str, Any] = {
-        "tickvals": ticks,
-        "ticktext": [plain(labels[i]) for i in ticks],
-        "showgrid": False,
-        "constrain": "domain",
-    }
-    figure.update_xaxes(**axis, range=[-0.6, n - 0.4])
-    figure.update_yaxes(**axis, range=[n - 0.4, -0.6], scaleanchor="x")
-    figure.update_layout(margin={"t": 4})
-    return figure
-
-
-def _variant_title(analysis: Analysis) -> str:
-    if len(analysis.parameters) == 1:
-        return axis_label(analysis.parameters[0])
-    return f"variant: {', '.join(axis_label(name) for name in analysis.parameters)}"
-
-
-def _runs(analysis: Analysis) -> list[tuple[int, int]]:
-    """Return first and last index of each run of neighbouring variants of one group."""
-    edges = np.flatnonzero(np.diff(analysis.labels)) + 1
-    starts = [0, *edges.tolist()]
-    return list(zip(starts, [*(edges - 1).tolist(), analysis.labels.size - 1], strict=True))
-
-
-def _ticks(n: int) -> list[int]:
-    step = -(-n // 10)
-    return list(range(0, n, step))
-
-
 def _tree_panel(analysis: Analysis, drawn: DendrogramLayout) -> go.Figure:
-    figure = plot(x_title=HEIGHT_TITLE, y_title=_variant_title(analysis))
+    figure = plot(x_title=HEIGHT_TITLE, y_title=variant_title(analysis))
     labels = [variant_label(analysis.variants[leaf]) for leaf in drawn.leaves]
     for group in [-1, *range(len(analysis.groups))]:
         x: list[float | None] = []
@@ -236,26 +161,9 @@ def _add_links(figure: go.Figure, analysis: Analysis, drawn: DendrogramLayout) -
 def _still(analysis: Analysis, drawn: DendrogramLayout) -> StillFigure:
     n = analysis.variants.shape[0]
     figure, (matrix, tree) = axes_grid(1, 2, height_in=max(3.2, 0.115 * n + 0.9))
-    _draw_matrix(figure, matrix, analysis)
+    draw_matrix(figure, matrix, analysis, analysis.distances, "Hellinger distance")
     _draw_tree(tree, analysis, drawn)
     return figure
-
-
-def _draw_matrix(figure: StillFigure, ax: Axes, analysis: Analysis) -> None:
-    n = analysis.variants.shape[0]
-    colours = LinearSegmentedColormap.from_list("distance", list(SEQUENTIAL))
-    image = ax.imshow(analysis.distances, vmin=0, vmax=1, cmap=colours, interpolation="nearest")
-    for start, stop in _runs(analysis):
-        size, colour = stop - start + 1, group_colour(int(analysis.labels[start]))
-        ax.add_patch(Rectangle((start - 0.5, start - 0.5), size, size, fill=False, ec=colour, lw=2))
-    ticks = _ticks(n)
-    labels = [variant_label(analysis.variants[i]) for i in ticks]
-    ax.set_xticks(ticks, labels, rotation=0 if len(analysis.parameters) == 1 else 90)
-    ax.set_yticks(ticks, labels)
-    ax.set_xlabel(_variant_title(analysis))
-    ax.set_ylabel(_variant_title(analysis))
-    ax.spines[:].set_visible(False)
-    figure.colorbar(image, ax=ax, shrink=0.6, location="top", label="Hellinger distance")
 
 
 def _draw_tree(ax: Axes, analysis: Analysis, drawn: DendrogramLayout) -> None:
@@ -279,7 +187,7 @@ def _draw_tree(ax: Axes, analysis: Analysis, drawn: DendrogramLayout) -> None:
     ax.set_ylim(len(labels) - 0.4, -0.6)
     ax.set_xlim(0, 1.06 * float(drawn.heights[:, 2].max() or 1.0))
     ax.set_xlabel(HEIGHT_TITLE)
-    ax.set_ylabel(_variant_title(analysis))
+    ax.set_ylabel(variant_title(analysis))
     ax.tick_params(axis="y", colors=MUTED)
 
 

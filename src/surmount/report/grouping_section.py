@@ -13,6 +13,7 @@ from surmount.core.curriculum import Group
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.fit_figure import mixture_fit
 from surmount.report.grouping_figure import distances_and_groups
+from surmount.report.stability_figure import success_and_stability
 from surmount.report.text import (
     axis_label,
     counted,
@@ -42,7 +43,7 @@ def grouping_section(analysis: Analysis | None) -> Section:
         return Section(anchor="grouping", title=title, blocks=(missing,))
     blocks: list[Block] = [
         Paragraph(
-            text=f"After the initiation, {counted(int(analysis.n_trials.sum()), 'trial')} on "
+            text=f"{counted(int(analysis.n_trials.sum()), 'trial')} on "
             f"{counted(analysis.variants.shape[0], 'variant')} were logged. The behaviour on each "
             "variant was described by a mixture of Gaussians over "
             f"{listed([axis_label(name) for name in analysis.features.names])}; variants with "
@@ -54,6 +55,9 @@ def grouping_section(analysis: Analysis | None) -> Section:
         level_table(analysis),
         Paragraph(text=stability_statement(analysis.stability)),
     ]
+    sure = success_and_stability(analysis)
+    if sure is not None:
+        blocks.append(sure)
     boundaries = stability_table(analysis)
     if boundaries is not None:
         blocks.append(boundaries)
@@ -65,7 +69,7 @@ def grouping_section(analysis: Analysis | None) -> Section:
 
 
 def group_table(analysis: Analysis) -> Table:
-    """Return table 1: success after the initiation per group."""
+    """Return table 1: success in the logged trials per group."""
     rows: list[tuple[str, ...]] = []
     for index, group in enumerate(analysis.groups):
         own = analysis.labels == index
@@ -85,7 +89,7 @@ def group_table(analysis: Analysis) -> Table:
         )
     return Table(
         label="Table 1",
-        title="Success after the initiation in each group",
+        title="Success in the logged trials of each group",
         columns=(
             Column(heading="group"),
             Column(heading="variants"),
@@ -111,7 +115,7 @@ def level_table(analysis: Analysis) -> Table | Paragraph:
     if not curriculum.levels:
         return Paragraph(
             text="The curriculum has no levels: every group already reaches a success of "
-            f"{percent(curriculum.success_threshold)} after the initiation."
+            f"{percent(curriculum.success_threshold)} in the logged trials."
         )
     bounds = [_bounds(curriculum.parameters, group) for group in curriculum.groups]
     return Table(

@@ -69,7 +69,7 @@ def summary(results: RunResults) -> list[str]:
                 "initiation; the analysis is still to come."
             )
         ]
-    sentences = [_grouping_sentence(analysis), _level_sentence(analysis)]
+    sentences = [grouping_sentence(analysis), level_sentence(analysis)]
     if comparison is None:
         return [*sentences, "The comparison of both arms is still to come."]
     sentences += [group_sentence(entry) for entry in comparison.groups]
@@ -92,12 +92,13 @@ def _points(share: float) -> str:
     return f"{100 * share:+.1f} percentage points".replace("-", "\N{MINUS SIGN}")
 
 
-def _grouping_sentence(analysis: Analysis) -> str:
+def grouping_sentence(analysis: Analysis) -> str:
+    """Say which groups there are, where they lie and how often they succeed."""
     groups = analysis.groups
     variants = counted(analysis.variants.shape[0], "variant")
     parts = [
         f"{group.name} ({variant_range(analysis.parameters, group.variants)}, "
-        f"{percent(group.success_rate)} success after the initiation)"
+        f"{percent(group.success_rate)} success in the logged trials)"
         for group in groups
     ]
     if len(groups) == 1:
@@ -108,7 +109,8 @@ def _grouping_sentence(analysis: Analysis) -> str:
     return f"The robot's behaviour divides {variants} into {len(groups)} groups: {listed(parts)}."
 
 
-def _level_sentence(analysis: Analysis) -> str:
+def level_sentence(analysis: Analysis) -> str:
+    """Say how many levels there are, and for which groups."""
     curriculum = analysis.curriculum
     threshold = percent(curriculum.success_threshold)
     if not curriculum.levels:

@@ -9,10 +9,9 @@ from typing import Any
 from surmount.analysis import Analysis
 from surmount.core.records import write_atomically
 from surmount.core.store import output_errors
+from surmount.report.analysis_page import document_of_analysis
 from surmount.report.contents import document_of
 from surmount.report.document import Figure
-from surmount.report.fit_figure import mixture_fit
-from surmount.report.grouping_figure import distances_and_groups
 from surmount.report.page import page
 from surmount.report.results import read_run
 from surmount.report.stills import StillFiles, draw, write_still
@@ -30,13 +29,13 @@ def write_run_report(root: Path) -> Path:
     return root / PAGE
 
 
-def write_figures_of_analysis(record: Mapping[str, Any], out: Path) -> tuple[Path, ...]:
-    """Write figures 5 and 6; see :func:`surmount.report.write_analysis_figures`."""
-    analysis = Analysis.from_record(record)
-    figures = (mixture_fit(analysis), distances_and_groups(analysis))
-    with output_errors(out):
-        _write_figures(figures, out)
-    return tuple(out / f"{figure.name}.svg" for figure in figures)
+def write_analysis_page(record: Mapping[str, Any], root: Path) -> Path:
+    """Write the page of an analysis; see :func:`surmount.report.write_analysis_report`."""
+    document = document_of_analysis(Analysis.from_record(record))
+    with output_errors(root):
+        stills = _write_figures(document.figures(), root / FIGURES)
+        write_atomically(root / PAGE, page(document, stills).encode())
+    return root / PAGE
 
 
 def _write_figures(figures: Sequence[Figure], folder: Path) -> dict[str, StillFiles]:
