@@ -1,13 +1,17 @@
-"""Peak memory of reading a large table of trials, in bytes per row.
+"""Peak memory of reading and of analysing a large table of trials, in bytes per row.
 
-    python benchmarks/analysis_memory.py [million rows, default 2]
+    python benchmarks/analysis_memory.py [million rows, default 3]
 
-Each reading runs in a process of its own; what that process takes before it reads (Python, NumPy,
-polars) is left out. 4 features, 20 variants, 2 networks, trials of 1,000 steps.
+Each measurement runs in a process of its own; what that process takes before (Python, libraries,
+a small table read or analysed) is left out. Reading is `surmount.read_trials`, analysing the
+command `surmount analyze` with its defaults, bootstrap and page included. 4 features, 20 variants,
+2 networks, trials of 1,000 steps.
 """
 
 from __future__ import annotations
 
+import contextlib
+import io
 import resource
 import subprocess
 import sys
@@ -17,7 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
-from surmount import Trials, read_trials, write_trials
+from surmount import Analysis, Trials, read_trials, write_trials
+from surmount.cli.main import run
 
 STEPS = 1_000
 
@@ -43,28 +48,38 @@ def peak_bytes():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def measure(path):
-    with tempfile.TemporaryDirectory() as folder:  # loads all that reading needs, polars included
+def read(path, _folder):
+    return read_trials(path, minimum_variants=2, minimum_samples=20).n_samples
+
+
+def analyse(path, folder):
+    with contextlib.redirect_stdout(io.StringIO()):
+        assert run(["analyze", str(path), "--out", str(folder)]) == 0
+    return int(Analysis.load(Path(folder) / "analysis.json").n_recorded.sum())
+
+
+def measure(work, path):
+    with tempfile.TemporaryDirectory() as folder:
         small = Path(folder) / f"small{path.suffix}"
-        write_trials(small, trials(2))
-        read_trials(small)
-    before, started = peak_bytes(), time.perf_counter()
-    n_rows = read_trials(path, minimum_variants=2, minimum_samples=20).n_samples
+        write_trials(small, trials(40))
+        work(small, Path(folder) / "small")  # loads all that the work needs
+        before, started = peak_bytes(), time.perf_counter()
+        n_rows = work(path, Path(folder) / "large")
     seconds, used = time.perf_counter() - started, peak_bytes() - before
     print(
-        f"{path.suffix:9s} {n_rows:,} rows: {seconds:.1f} s, {used / 2**20:.0f} MiB above "
-        f"{before / 2**20:.0f} MiB, {used / n_rows:.0f} bytes a row",
+        f"{work.__name__} {path.suffix:9s} {n_rows:,} rows: {seconds:.1f} s, "
+        f"{used / 2**20:.0f} MiB above {before / 2**20:.0f} MiB, {used / n_rows:.0f} bytes a row",
         flush=True,
     )
 
 
 def main():
-    millions = sys.argv[1] if len(sys.argv) > 1 else "2"
+    millions = sys.argv[1] if len(sys.argv) > 1 else "3"
     with tempfile.TemporaryDirectory() as folder:
         for suffix in (".parquet", ".csv"):
             path = str(Path(folder) / f"trials{suffix}")
             # A process starts with its parent's peak: this one stays small.
-            for step in ("--write", "--measure"):
+            for step in ("--write", "--read", "--analyse"):
                 command = [sys.executable, __file__, step, path, millions]
                 subprocess.run(command, check=True)  # noqa: S603 - this file itself
 
@@ -73,7 +88,7 @@ if __name__ == "__main__":
     step = sys.argv[1] if len(sys.argv) > 2 else ""
     if step == "--write":
         write_trials(Path(sys.argv[2]), trials(round(float(sys.argv[3]) * 1e6 / STEPS)))
-    elif step == "--measure":
-        measure(Path(sys.argv[2]))
+    elif step in ("--read", "--analyse"):
+        measure(read if step == "--read" else analyse, Path(sys.argv[2]))
     else:
         main()

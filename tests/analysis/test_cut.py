@@ -142,6 +142,30 @@ def test_identical_recordings_do_not_make_everything_abrupt():
     assert group_variants(distances, AnalysisConfig()).max() == 0
 
 
+def test_no_scatter_between_alike_variants_is_an_abrupt_change():
+    # Two runs of five, 0.02 apart inside and 0.2 from each other: nearly the same behaviour.
+    place = np.r_[0.02 * np.arange(5), 0.28 + 0.02 * np.arange(5)]
+    distances = np.abs(place[:, None] - place)
+    assert group_variants(distances, AnalysisConfig(alike_distance=0.0)).max() == 1
+    assert group_variants(distances, AnalysisConfig()).max() == 0
+
+
+def test_an_alike_distance_is_the_smallest_usual_gap():
+    distances = from_positions([0.0, 0.2, 0.4, 20.0, 20.2, 20.4])
+    dendrogram = build_dendrogram(distances, "single")
+    found = abruptness(dendrogram, distances, 0.3)[-1]
+    # −ln(1 − D²) of D = 0.3 is −ln 0.91.
+    expected = separation(distances)[2, 3] / np.sqrt(-np.log(0.91))
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_long_recordings_of_drifting_behaviours_keep_their_groups(seed):
+    # Sixty trials a variant: gaps within groups are small, and their scatter is what remains.
+    family = SyntheticFamily(sizes=(13, 13, 4), separation=6.0, trials=60, steps=1000, seed=seed)
+    assert groups_of(family).tolist() == family.labels.tolist()
+
+
 def test_fixed_count_gives_the_number_asked_for():
     config = AnalysisConfig(cut="fixed count", group_count=4)
     distances = from_positions(np.arange(12.0))

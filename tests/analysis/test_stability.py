@@ -66,7 +66,8 @@ def test_sensitivity_names_each_choice_and_judges_it_by_agreement(analysis: Anal
     assert rows["linkage", "ward"].agreement == 1.0
     assert rows["features", "without time_s"].n_groups == 2
     assert {row.choice for row in analysis.sensitivity} == {
-        "linkage", "cut-off", "cut", "small groups", "features", "components", "networks",
+        "linkage", "cut-off", "alike distance", "cut", "small groups", "features", "components",
+        "networks",
     }  # fmt: skip
 
 

@@ -74,6 +74,9 @@ class AnalysisConfig:
         link's gap must be (``"abrupt"``, 1.5 by default) or the inconsistency coefficient
         (``"inconsistency"``, 2.4 by default); 0 takes the rule's default. Unused by the other
         rules. Assumed.
+    alike_distance
+        Hellinger distance up to which the rule ``"abrupt"`` takes behaviours for alike: usual gaps
+        count as at least that. Assumed; see ``docs/adr/0011-networks-and-long-recordings.md``.
     inconsistency_depth
         Levels of links below each link that enter its inconsistency coefficient; 0 means all.
         Assumed.
@@ -129,6 +132,7 @@ class AnalysisConfig:
     linkage: LinkageMethod = "average"
     cut: CutMethod = "abrupt"
     cut_off: float = 0.0
+    alike_distance: float = 0.2
     inconsistency_depth: int = 0
     group_count: int = 3
     small_group_size: int = 2
@@ -191,6 +195,7 @@ _RANGES: tuple[tuple[str, float, float], ...] = (
     ("tolerance", 1e-12, 1.0),
     ("max_iterations", 1, 1_000_000),
     ("cut_off", 0.0, 1000.0),
+    ("alike_distance", 0.0, 0.99),
     ("inconsistency_depth", 0, 1_000_000),
     ("group_count", 1, 1_000_000),
     ("small_group_size", 0, 1_000_000),

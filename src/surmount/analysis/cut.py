@@ -11,9 +11,9 @@ from surmount.analysis.dendrogram import Dendrogram
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 
 DEFAULT_CUT_OFF = {"abrupt": 1.5, "inconsistency": 2.4}
-"""Cut-offs where the configuration gives none; measured in ``docs/adr/0011-networks-pooled.md``."""
+"""Cut-offs where the configuration gives none; measured in ADR 10 and 11."""
 _SMALLEST_GAP = 1e-3
-"""Gaps below this are no change at all: identical recordings must not make all else abrupt."""
+"""Usual gaps are at least this: identical recordings must not make all else abrupt."""
 _QUANTILE = 0.25
 """Quantile of the gaps inside a side that stands for the usual one."""
 _FEWEST_GAPS = 2
@@ -49,7 +49,7 @@ def cut_dendrogram(dendrogram: Dendrogram, distances: FloatArray, config: Analys
     """Cut a dendrogram by the configured rule."""
     cut_off = config.cut_off or DEFAULT_CUT_OFF.get(config.cut, 0.0)
     if config.cut == "abrupt":
-        statistic = abruptness(dendrogram, distances)
+        statistic = abruptness(dendrogram, distances, config.alike_distance)
         divided = statistic > cut_off
     elif config.cut == "inconsistency":
         statistic = dendrogram.inconsistency(config.inconsistency_depth)
@@ -72,14 +72,17 @@ def cut_dendrogram(dendrogram: Dendrogram, distances: FloatArray, config: Analys
     )
 
 
-def abruptness(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
+def abruptness(
+    dendrogram: Dendrogram, distances: FloatArray, alike_distance: float = 0.0
+) -> FloatArray:
     """Return how many times wider the gap at each link is than gaps inside the tighter side.
 
     A side's usual gap is the lower quartile of the gaps (:func:`link_gaps`) of the links inside
     it. The quartile and the tighter side, because variants half-way between two behaviours join
     one side or the other at wide gaps: these show the change, not how alike variants of one
     behaviour are. Sides of two variants have one gap, too little to tell what is usual, and count
-    for nothing.
+    for nothing. Behaviours nearer than ``alike_distance`` are alike however near others are: long
+    recordings make gaps within a group so small that their scatter alone would look abrupt.
 
     Parameters
     ----------
@@ -87,6 +90,8 @@ def abruptness(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
         The clustering.
     distances
         Hellinger distances, shape ``(variant, variant)``.
+    alike_distance
+        Smallest usual gap, as a Hellinger distance.
 
     Returns
     -------
@@ -96,9 +101,10 @@ def abruptness(dendrogram: Dendrogram, distances: FloatArray) -> FloatArray:
     gaps = link_gaps(dendrogram, distances)
     usual = np.full(2 * dendrogram.n_leaves - 1, np.inf)
     result = np.zeros_like(gaps)
+    smallest = max(float(separation(np.asarray(alike_distance))), _SMALLEST_GAP)
     for link in range(gaps.size):
         reference = min(usual[child] for child in dendrogram.children(link))
-        result[link] = gaps[link] / max(float(reference), _SMALLEST_GAP)
+        result[link] = gaps[link] / max(float(reference), smallest)
         inside = np.append(dendrogram.links_below(link), link)
         if inside.size >= _FEWEST_GAPS:
             usual[dendrogram.n_leaves + link] = np.quantile(gaps[inside], _QUANTILE)

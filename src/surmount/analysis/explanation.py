@@ -194,7 +194,8 @@ def describe_rule(analysis: Analysis) -> str:
             f"a link divides where its gap is more than {cut.cut_off:g} times the usual gap (lower "
             "quartile) inside the tighter of its two sides. A gap is the smallest √(−ln(1 − D²)) "
             f"from one side to the other; sides of fewer than three variants have no usual one "
-            f"({_NONE})."
+            f"({_NONE}), and no usual one counts as smaller than that of "
+            f"D = {analysis.config.alike_distance:g}."
         )
     if cut.method == "inconsistency":
         depth = analysis.config.inconsistency_depth

@@ -23,6 +23,7 @@ from surmount.core.threads import spread
 
 _LINKAGES = ("average", "complete", "single", "weighted", "ward")
 _DEPTHS = (2, 3, 4, 0)
+_ALIKE = (0.0, 0.1, 0.3)
 _MOST_NETWORKS = 10
 """Of more networks, the first ones are looked at by themselves."""
 NETWORKS = "networks"
@@ -136,6 +137,11 @@ def _changed_rules(config: AnalysisConfig) -> Iterator[tuple[str, str, AnalysisC
         for factor in (0.8, 0.9, 1.1, 1.2):
             changed = dataclasses.replace(config, cut_off=factor * cut_off)
             yield "cut-off", f"{factor * cut_off:.3g}", changed
+    if config.cut == "abrupt":
+        for distance in _ALIKE:
+            if distance != config.alike_distance:
+                changed = dataclasses.replace(config, alike_distance=distance)
+                yield "alike distance", f"{distance:g}", changed
     for depth in _DEPTHS:
         changed = dataclasses.replace(
             config,
