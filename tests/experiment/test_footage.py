@@ -138,14 +138,14 @@ def test_files_of_a_run_take_its_configuration_which_may_be_changed(root):
     assert motion.outcome == "had not reached the target after 0.50 s"
 
 
-def test_a_network_from_elsewhere_needs_its_obstacle(network, tmp_path):
+def test_a_network_from_elsewhere_knows_its_obstacle_and_may_be_tried_on_another(network, tmp_path):
     copy = shutil.copy(network, tmp_path / "mine.safetensors")
-    changes = {"env.decision_interval_s": 0.1, "env.episode_s": 0.5}
-    (motion,) = shown(copy, obstacle="low-entrance", changes=changes)
+    (motion,) = shown(copy)
+    assert (motion.obstacle.name, motion.size_mm) == ("narrow-channel", 180.0)
+    (motion,) = shown(copy, obstacle="low-entrance", changes={"env.episode_s": 0.5})
     assert motion.caption == "mine.safetensors, actions drawn by seed 0"
-    assert motion.size_mm == 55.0
-    with pytest.raises(ConfigError, match="does not say which obstacle"):
-        shown(copy)
+    assert (motion.obstacle.name, motion.size_mm) == ("low-entrance", 55.0)
+    assert motion.config.decision_interval_s == CONFIG.env.decision_interval_s
     with pytest.raises(InputError, match="takes 6 observations, and step has 7"):
         shown(copy, obstacle="step")
 
@@ -163,7 +163,7 @@ def test_a_manoeuvre_is_played_on_every_size_asked_for(tmp_path):
 @pytest.mark.parametrize("name", ["narrow-channel", "low-entrance", "step"])
 def test_an_obstacle_is_shown_with_the_manoeuvre_stored_for_its_hardest_variant(name):
     (motion,) = shown(name)
-    assert motion.size_mm == hardest_mm(find_obstacle(name))
+    assert motion.size_mm == find_obstacle(name).hardest
     assert motion.success
     # The time that the search measured.
     assert motion.duration_s == pytest.approx(stored_manoeuvre(name, motion.size_mm).time_s)

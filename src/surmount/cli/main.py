@@ -57,6 +57,7 @@ VERBS = (
     "analyze",
     "report",
     "show",
+    "evaluate",
     "render",
     "view",
     "capability",

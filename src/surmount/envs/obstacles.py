@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError, InputError
 from surmount.envs.config import CourseConfig
 from surmount.robot import kinematics
@@ -147,7 +148,8 @@ def find_obstacle(name: str) -> Obstacle:
     """Return a family by name, or raise :class:`ConfigError`."""
     if name not in OBSTACLES:
         raise ConfigError(
-            f"There is no obstacle `{name}`.", remedy=f"Choose among {', '.join(OBSTACLES)}."
+            f"There is no obstacle `{name}`.",
+            remedy=f"{nearest(name, [*OBSTACLES])} There are {', '.join(OBSTACLES)}.",
         )
     return OBSTACLES[name]
 

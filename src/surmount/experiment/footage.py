@@ -13,21 +13,20 @@ from pathlib import Path
 from typing import Any, cast
 
 from surmount.core.arrays import FloatArray
-from surmount.core.configuration import from_record, nearest, override
+from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record
 from surmount.core.run_folder import RunFolder, open_run
-from surmount.core.run_layout import ARMS, RUN, per_network
+from surmount.core.run_layout import ARMS, per_network
 from surmount.core.trial_table import read_trials
-from surmount.envs import OBSTACLES, EnvConfig, Obstacle, find_obstacle
+from surmount.envs import OBSTACLES
 from surmount.envs.manoeuvre import Manoeuvre, Player
 from surmount.envs.motion import Motion, Pilot, record_motion, stand_still
 from surmount.envs.observations import Observations
 from surmount.envs.stored_manoeuvres import stored_manoeuvre
-from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.logged_trials import Log, logged_motion, run_log
+from surmount.experiment.origin import course, home
 from surmount.experiment.policy_pilot import PolicyPilot
-from surmount.experiment.presets import preset
 from surmount.experiment.stages import NETWORK, TRIALS
 from surmount.learn import Snapshot
 
@@ -88,9 +87,9 @@ def motions(wanted: Wanted) -> Iterator[Motion]:
             remedy=f"Give {', '.join(OBSTACLES)}, or a path that exists. {near}",
         )
     if path.suffix == NETWORK_SUFFIX:
-        return _by_network(wanted, path, *_home(path))
+        return _by_network(wanted, path, *home(path))
     if path.suffix in TABLE_SUFFIXES:
-        return _logged(wanted, path, *_home(path))
+        return _logged(wanted, path, *home(path))
     if path.suffix == MANOEUVRE_SUFFIX:
         return _by_script(wanted, path)
     raise InputError(
@@ -129,20 +128,6 @@ def _first_network(kind: str) -> str:
     return per_network(kind, 0)
 
 
-def _home(path: Path) -> tuple[RunFolder | None, str]:
-    """Return the run that a file lies in, and the stage it belongs to."""
-    folder = path.resolve().parent
-    for root in folder.parents:
-        if (root / RUN).is_file():
-            run = open_run(root)
-            for name, artefact in run.stages.items():
-                if artefact.folder.resolve() == folder and path.name in artefact.files:
-                    artefact.path(path.name)  # checked against its hash
-                    return run, name
-            return run, ""
-    return None, ""
-
-
 # Kinds of sources ------------------------------------------------------------------------------
 
 
@@ -153,7 +138,8 @@ def _by_script(wanted: Wanted, path: Path | None) -> Iterator[Motion]:
         _refuse(wanted, "the name of an obstacle", obstacle="--obstacle")
     else:
         _refuse(wanted, "a manoeuvre's file", standing="--stand")
-    obstacle, config = _course(wanted, None, wanted.source if path is None else wanted.obstacle)
+    name = wanted.source if path is None else wanted.obstacle
+    obstacle, config = course(wanted.source, name=name, changes=wanted.changes)
     for size_mm in wanted.sizes_mm or (obstacle.hardest,):
         if wanted.standing:
             yield record_motion(
@@ -190,8 +176,14 @@ def _read_manoeuvre(path: Path) -> Manoeuvre:
 
 def _by_network(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> Iterator[Motion]:
     _refuse(wanted, "a network", trials="--trial", network="--network", standing="--stand")
-    obstacle, config = _course(wanted, run, wanted.obstacle)
     network = Snapshot.load(path)
+    obstacle, config = course(
+        wanted.source,
+        run=run,
+        network=network,
+        name=wanted.obstacle,
+        changes=wanted.changes,
+    )
     seed = wanted.seed or 0
     for size_mm in wanted.sizes_mm or (obstacle.hardest,):
         pilot = PolicyPilot(network, obstacle, seed=seed, deterministic=wanted.deterministic)
@@ -212,10 +204,12 @@ def _logged(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> It
     table = read_trials(path)
     if run is not None and stage:
         _refuse(wanted, "trials of a run", changes="--set and --config")
-        _course(wanted, run, wanted.obstacle)
+        course(wanted.source, run=run, name=wanted.obstacle)
         log = run_log(run, stage, table, str(path))
     else:
-        obstacle, config = _course(wanted, run, wanted.obstacle)
+        obstacle, config = course(
+            wanted.source, run=run, name=wanted.obstacle, changes=wanted.changes
+        )
         if len(table.parameters) != 1:
             raise InputError(
                 f"{path} has several task parameters: {', '.join(table.parameters)}.",
@@ -230,32 +224,6 @@ def _logged(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> It
 
 
 # Options ---------------------------------------------------------------------------------------
-
-
-def _course(wanted: Wanted, run: RunFolder | None, name: str | None) -> tuple[Obstacle, EnvConfig]:
-    """Return obstacle and configuration: the run's, or the defaults, with the user's changes."""
-    if run is not None:
-        base = from_record(ExperimentConfig, run.config)
-        if name not in (None, base.obstacle):
-            raise ConfigError(
-                f"{wanted.source} belongs to a run on {base.obstacle}, not on {name}.",
-                remedy="Leave the obstacle out.",
-            )
-    else:
-        name = name or wanted.changes.get("obstacle")
-        if name is None:
-            raise ConfigError(
-                f"{wanted.source} lies in no run and does not say which obstacle it belongs to.",
-                remedy=f"Give --obstacle {', '.join(OBSTACLES)}.",
-            )
-        base = preset(name, "paper")
-    chosen = override(base, wanted.changes)
-    if chosen.obstacle != base.obstacle:
-        raise ConfigError(
-            f"The configuration is for {chosen.obstacle}, not for {base.obstacle}.",
-            remedy="Give the configuration of this obstacle, or leave the obstacle out.",
-        )
-    return find_obstacle(chosen.obstacle), chosen.env
 
 
 def _refuse(wanted: Wanted, what: str, **options: str) -> None:

@@ -15,7 +15,7 @@ stage                  files
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from surmount.analysis import AnalysisConfig, determine_curriculum
@@ -32,6 +32,7 @@ from surmount.experiment.graph import StageContext
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.task_family import TaskFamily, obstacle_family
 from surmount.learn import (
+    TRAINED_ON,
     Actor,
     Checkpointing,
     LearnerConfig,
@@ -153,7 +154,10 @@ def _train(
 
 def _write_training(context: StageContext, training: Training) -> None:
     history = training.history
-    training.network.save(context.output / NETWORK)
+    trained_on = {key: context.config[key] for key in ("obstacle", "env")}
+    network = training.network
+    network = replace(network, record={**network.record, TRAINED_ON: trained_on})
+    network.save(context.output / NETWORK)
     write_history(history, context.output)
     record: dict[str, Any] = {
         "schema": SCHEMA,

@@ -3,11 +3,12 @@
 from surmount.learn.config import LearnerConfig
 from surmount.learn.history import History
 from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
-from surmount.learn.snapshot import Snapshot
+from surmount.learn.snapshot import TRAINED_ON, Snapshot, acting_only
 from surmount.learn.task_env import TaskVectorEnv
 from surmount.learn.trainer import Checkpointing, Trainer, Training
 
 __all__ = [
+    "TRAINED_ON",
     "Actor",
     "Checkpointing",
     "History",
@@ -17,5 +18,6 @@ __all__ = [
     "TaskVectorEnv",
     "Trainer",
     "Training",
+    "acting_only",
     "roll_out",
 ]

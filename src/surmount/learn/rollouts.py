@@ -16,7 +16,7 @@ from surmount.core.errors import ConfigError, InputError
 from surmount.core.monitor import Interrupted, Monitor, Progress
 from surmount.core.trials import Trials
 from surmount.learn.perceptron import ACTIVATIONS
-from surmount.learn.snapshot import Snapshot, policy_weights
+from surmount.learn.snapshot import Snapshot, missing_weights, policy_weights
 from surmount.learn.task_env import TaskVectorEnv
 
 CLIP_OBSERVATION = 10.0
@@ -69,7 +69,10 @@ class Actor:
             activation_fn=ACTIVATIONS[record["activation"]].module,
         )
         try:
-            self._policy.load_state_dict(policy_weights(network.tensors))
+            if missing := missing_weights(self._policy, network.tensors):
+                raise RuntimeError(f"it has no {missing[0]}")  # noqa: TRY301 - one sentence for all
+            # A network that is there to act may come without its critic.
+            self._policy.load_state_dict(policy_weights(network.tensors), strict=False)
         except RuntimeError as error:
             raise InputError(
                 f"The network does not fit the environment ({error}).",

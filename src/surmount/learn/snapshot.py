@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -25,6 +25,10 @@ from surmount.core.records import canonical_json, write_atomically
 
 Tensors = dict[str, np.ndarray]
 SCHEMA = 1
+TRAINED_ON = "trained_on"
+"""Key of a network's record: the tasks that it was trained on, where the writer tells."""
+_ACTING = ("policy/", "normaliser/observation/")
+_JUDGING = ("policy/value_net.", "policy/mlp_extractor.value_net.")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,6 +78,24 @@ class Snapshot:
                 remedy="Read it with the version of Surmount that wrote it.",
             )
         return cls(tensors=tensors, record=record)
+
+
+def acting_only(network: Snapshot) -> Snapshot:
+    """Return a network without what only learning needs: critic, optimiser, scale of rewards."""
+    return replace(
+        network,
+        tensors={
+            name: array
+            for name, array in network.tensors.items()
+            if name.startswith(_ACTING) and not name.startswith(_JUDGING)
+        },
+    )
+
+
+def missing_weights(policy: torch.nn.Module, tensors: Mapping[str, np.ndarray]) -> list[str]:
+    """Return the weights that a policy needs to act and that are not there."""
+    needed = (f"policy/{name}" for name in policy.state_dict())
+    return [name for name in needed if name not in tensors and not name.startswith(_JUDGING)]
 
 
 def take(model: PPO, normaliser: VecNormalize) -> Tensors:
