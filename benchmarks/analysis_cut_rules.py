@@ -245,9 +245,9 @@ def main():
         cases[kind] = [recorded(case, scale) for case in drawn]
     everything = [case for kind in KINDS for case in cases[kind]]
     print(
-        f"{len(everything)} families, {scale} recordings, average linkage. Mean adjusted Rand index;"
+        f"{len(everything)} families, {scale} recordings, average linkage. Mean adjusted Rand index; share recovered"
     )
-    print("share recovered exactly; and that share by kind.\n")
+    print("exactly; and that share by kind.\n")
     print("| rule | mean index | exact | " + " | ".join(KINDS) + " |")
     print("|---|---|---|" + "---|" * len(KINDS))
     for rule, options in RULES.items():

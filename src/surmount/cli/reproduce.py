@@ -14,6 +14,7 @@ import tyro
 from rich.console import Console
 
 from surmount.cli.display import RunDisplay
+from surmount.cli.films import films
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.summary import print_summary
@@ -79,6 +80,7 @@ def reproduce(
     if outcome.interrupted:
         console.print(f"Stopped. Go on with: surmount reproduce --resume --out {out}")
         return INTERRUPTED
+    films(out, lambda sentence: console.print(sentence, soft_wrap=True, markup=False))
     page = write_report(out)
     print_summary(console, out)
     console.print(f"Report: {page.resolve()}", soft_wrap=True)

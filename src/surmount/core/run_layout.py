@@ -20,6 +20,9 @@ INDEX = "index.json"
 """Folder of each finished stage."""
 TIMINGS = "timings.json"
 """Seconds that each stage took."""
+FILM_FOLDER = "films"
+FILMS = "films/films.json"
+"""What the films show, with their hashes."""
 
 ARMS = ("curriculum", "control")
 """The two ways of going on from an initial network."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from surmount.report.document import Document, Section
+from surmount.report.film_section import film_section
 from surmount.report.grouping_section import grouping_section
 from surmount.report.learning_section import learning_section
 from surmount.report.paper_section import paper_section
@@ -20,6 +21,7 @@ def document_of(results: RunResults) -> Document:
         learning_section(results),
         testing_section(results.analysis, comparison, results.tests),
         evidence_section(comparison),
+        film_section(results.films),
         paper_section(folder, results.analysis, comparison),
         provenance_section(folder),
     ]

@@ -126,6 +126,34 @@ class Table:
     kind: Literal["table"] = "table"
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Film:
+    """A film on the screen, and moments of it on paper.
+
+    Attributes
+    ----------
+    title
+        What it shows, in a few words.
+    caption
+        Sentences below it.
+    mp4, png
+        Content of the film and of the picture that stands for it in print.
+    """
+
+    title: str
+    caption: tuple[str, ...]
+    mp4: bytes
+    png: bytes
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Films:
+    """Films side by side."""
+
+    films: tuple[Film, ...]
+    kind: Literal["films"] = "films"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Paragraph:
     """A paragraph of text."""
@@ -168,7 +196,7 @@ class Fold:
     kind: Literal["fold"] = "fold"
 
 
-Block: TypeAlias = "Figure | Table | Paragraph | Notice | Fold"
+Block: TypeAlias = "Figure | Films | Table | Paragraph | Notice | Fold"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

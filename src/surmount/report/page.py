@@ -37,6 +37,7 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
     template = environment.get_template("page.html.j2")
     return template.render(
         document=document,
+        data_uri=_data_uri,
         figures={figure.name: _embedded(figure, stills) for figure in document.figures()},
         style=Markup(_own("page.css")),  # noqa: S704 - a file of this package
         script=Markup(_own("page.js")),  # noqa: S704 - a file of this package
@@ -45,12 +46,14 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
 
 
 def _embedded(figure: Figure, stills: Mapping[str, StillFiles]) -> dict[str, str]:
-    data = base64.b64encode(csv_text(figure.data).encode()).decode()
-    svg = base64.b64encode(stills[figure.name].svg).decode()
     return {
-        "csv": f"data:text/csv;charset=utf-8;base64,{data}",
-        "svg": f"data:image/svg+xml;base64,{svg}",
+        "csv": _data_uri(csv_text(figure.data).encode(), "text/csv;charset=utf-8"),
+        "svg": _data_uri(stills[figure.name].svg, "image/svg+xml"),
     }
+
+
+def _data_uri(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def _own(name: str) -> str:

@@ -22,6 +22,7 @@ from surmount.core.teacher import LevelTest
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials
 from surmount.report.comparison import Comparison, comparison_of
+from surmount.report.film_section import FilmedTrial, read_films
 
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
@@ -97,6 +98,8 @@ class RunResults:
         By what was trained (``"initiation"``, ``"curriculum"``, ``"control"``) and network.
     tests
         By what had been trained.
+    films
+        Trials on film.
     """
 
     folder: RunFolder
@@ -104,6 +107,7 @@ class RunResults:
     comparison: Comparison | None
     trainings: Mapping[str, Mapping[int, TrainingResult]]
     tests: Mapping[str, Outcomes]
+    films: tuple[FilmedTrial, ...]
 
 
 def read_run(root: Path) -> RunResults:
@@ -141,6 +145,7 @@ def read_run(root: Path) -> RunResults:
             for kind, stage in TRIALS.items()
             if (artefacts := folder.numbered(stage))
         },
+        films=read_films(folder),
     )
 
 

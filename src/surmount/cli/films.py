@@ -1,0 +1,27 @@
+"""Films of a run for its page, where this machine can draw them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from surmount.core.errors import SurmountError
+from surmount.core.extras import missing_extra
+from surmount.core.run_folder import open_run
+from surmount.core.store import output_errors
+
+
+def films(root: Path, say: Callable[[str], None]) -> None:
+    """Draw the films of a run, or say why there are none: the page does without them."""
+    try:
+        from surmount.experiment.run_films import draw_films  # noqa: PLC0415 - needs extras
+
+        with output_errors(root):
+            draw_films(open_run(root), say)
+    except ModuleNotFoundError as error:
+        known = missing_extra(error)
+        if known is None:
+            raise
+        say(f"No films: {known.message} {known.remedy}")
+    except SurmountError as error:
+        say(f"No films: {error.message} {error.remedy}")

@@ -1,0 +1,20 @@
+"""Where films cannot be drawn the report does without them and says why."""
+
+from __future__ import annotations
+
+import sys
+
+from small import run_first_stages, small_config
+
+from surmount.cli.main import run
+
+
+def test_a_report_without_films_says_why(capsys, tmp_path, monkeypatch):
+    root = run_first_stages(tmp_path, small_config(networks=1, **{"env.episode_s": 0.4}))
+    monkeypatch.setitem(sys.modules, "av", None)
+    for module in ("surmount.experiment.run_films", "surmount.envs.video", "surmount.envs.film"):
+        monkeypatch.delitem(sys.modules, module, raising=False)
+    assert run(["report", str(root)]) == 0
+    said = capsys.readouterr().out
+    assert "No films: This needs the package `av`, which is not installed." in said
+    assert "<video" not in (root / "report.html").read_text(encoding="utf-8")
