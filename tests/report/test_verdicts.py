@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surmount.report.paper import PAPER_RESULTS
+from surmount.core.paper import PAPER_RESULTS
 from surmount.report.plots import hover, plain
 from surmount.report.text import (
     SPACE,

@@ -19,6 +19,7 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.configuration import override, to_record
 from surmount.core.errors import ConfigError, InputError
+from surmount.core.paper import PAPER_RESULTS
 from surmount.core.seeds import derive_seed
 from surmount.core.store import Artefact
 from surmount.core.trial_table import read_trials
@@ -26,19 +27,6 @@ from surmount.envs import OBSTACLES
 from surmount.experiment import stages
 from surmount.experiment.graph import Stage
 from surmount.experiment.presets import preset
-
-TABLE_1: Mapping[str, tuple[tuple[str, float, float, float], ...]] = {
-    "narrow-channel": (("easy", 260.0, 320.0, 1.0), ("difficult", 180.0, 250.0, 0.40)),
-    "low-entrance": (("easy", 100.0, 140.0, 0.99), ("difficult", 55.0, 95.0, 0.76)),
-    "step": (
-        ("easy", 21.0, 33.0, 0.94),
-        ("medium", 34.0, 46.0, 0.19),
-        ("difficult", 47.0, 50.0, 0.0),
-    ),
-}
-"""The paper's groups: name, smallest and largest variant in mm, success after the initiation. The
-ranges are recovered from its statistics; the channel's, which cannot be, are taken to divide at the
-start pose's width (248 mm), as the entrance's divide at its height (94.5 mm)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,15 +184,14 @@ def group_success(obstacle: str, variants: FloatArray, success: FloatArray) -> l
         Share of successful trials, shape ``(network, variant)``.
     """
     groups: list[dict[str, Any]] = []
-    for name, low, high, paper in TABLE_1[obstacle]:
-        inside = (variants >= low) & (variants <= high)
-        of_network = success[:, inside].mean(axis=1)
+    for group in PAPER_RESULTS[obstacle].groups:
+        of_network = success[:, group.holds(variants)].mean(axis=1)
         groups.append(
             {
-                "name": name,
-                "low_mm": low,
-                "high_mm": high,
-                "paper": paper,
+                "name": group.name,
+                "low_mm": group.range_mm[0],
+                "high_mm": group.range_mm[1],
+                "paper": group.after_initiation,
                 "mean": float(of_network.mean()),
                 "networks": of_network.tolist(),
             }
@@ -225,7 +212,7 @@ def distance_to_table_1(obstacles: Mapping[str, Any]) -> float | None:
     float or None
         Difference of success rates, between 0 and 1; ``None`` unless all obstacles are there.
     """
-    if obstacles.keys() != TABLE_1.keys():
+    if obstacles.keys() != PAPER_RESULTS.keys():
         return None
     return float(
         np.mean(

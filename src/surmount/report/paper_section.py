@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from surmount.analysis import Analysis
+from surmount.core.paper import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
 from surmount.core.run_folder import RunFolder
 from surmount.report.comparison import Comparison, GroupComparison, Success
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
-from surmount.report.paper import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
 from surmount.report.text import UNDEFINED, counted, listed, number, percent, variant_range
 from surmount.report.verdicts import because, success_verdict, time_verdict
 
@@ -84,10 +84,10 @@ def _group_rows(
     if analysis is not None and ours is not None:
         span = f"{variant_range(analysis.parameters, ours.variants)} ({len(ours.variants)})"
     return [
-        (f"{paper.name}: variants", paper.variants or "not known", span),
+        (f"{paper.name}: variants", _paper_range(paper, analysis), span),
         (
             f"{paper.name}: success after initiation",
-            paper.after_initiation,
+            percent(paper.after_initiation),
             absent if ours is None else percent(ours.success_rate),
         ),
         (
@@ -98,11 +98,19 @@ def _group_rows(
         (f"{paper.name}: without", _count(paper.control), _ours(entry, "control")),
         (
             f"{paper.name}: test of success",
-            paper.verdict
+            ("more successes with curriculum" if paper.more_successes else "no difference")
             + ("" if paper.chi_square is None else f", χ² = {number(paper.chi_square, 5)}"),
             UNDEFINED if entry is None else _test(entry),
         ),
     ]
+
+
+def _paper_range(paper: PaperGroup, analysis: Analysis | None) -> str:
+    if not paper.recovered:
+        return "not known"
+    low, high = paper.range_mm
+    count = "" if analysis is None else f" ({int(paper.holds(analysis.variants[:, 0]).sum())})"
+    return f"{low:g}–{high:g} mm{count}"
 
 
 def _test(entry: GroupComparison) -> str:

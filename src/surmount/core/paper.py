@@ -1,4 +1,4 @@
-"""What the paper reports, to stand beside a run's own numbers (method section 7).
+"""What the paper reports, to stand beside results of our own (method section 7).
 
 Success after the initiation and the comparison of both arms are printed in the paper's tables and
 text. Which variants its groups hold is not; they were recovered from the numbers of trials and
@@ -8,6 +8,8 @@ the χ² values it prints, which the same continuity-corrected test reproduces e
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from surmount.core.arrays import BoolArray, FloatArray
 
 SOURCE = (
     "“Automatic Curriculum Determination for Deep Reinforcement Learning in Reconfigurable "
@@ -23,25 +25,33 @@ class PaperGroup:
     ----------
     name
         As the paper calls it.
-    variants
-        Its range, recovered; empty where unknown.
+    range_mm
+        Its smallest and largest variant.
+    recovered
+        Whether the range follows from the paper's own numbers; otherwise it is assumed.
     after_initiation
-        Success after the initiation, as printed.
+        Success after the initiation, as printed (table 1).
     curriculum, control
         Successes and trials of both arms where the paper prints them.
     chi_square
         Continuity-corrected χ² of these two; ``None`` where not printed.
-    verdict
-        What the paper says of the difference.
+    more_successes
+        Whether the paper finds more successes with the curriculum; otherwise no difference.
     """
 
     name: str
-    variants: str
-    after_initiation: str
+    range_mm: tuple[float, float]
+    recovered: bool
+    after_initiation: float
     curriculum: tuple[int, int] | None = None
     control: tuple[int, int] | None = None
     chi_square: float | None = None
-    verdict: str = "no difference"
+    more_successes: bool = False
+
+    def holds(self, sizes_mm: FloatArray) -> BoolArray:
+        """Return which sizes belong to the group."""
+        low, high = self.range_mm
+        return (sizes_mm >= low) & (sizes_mm <= high)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,51 +67,57 @@ PAPER_RESULTS = {
     "narrow-channel": PaperResult(
         levels=1,
         groups=(
-            PaperGroup(name="easy", variants="", after_initiation="100 %"),
-            PaperGroup(name="difficult", variants="", after_initiation="40 %"),
+            PaperGroup(name="easy", range_mm=(260.0, 320.0), recovered=False, after_initiation=1.0),
+            PaperGroup(
+                name="difficult", range_mm=(180.0, 250.0), recovered=False, after_initiation=0.40
+            ),
         ),
     ),
     "low-entrance": PaperResult(
         levels=1,
         groups=(
-            PaperGroup(name="easy", variants="100–140 mm (9)", after_initiation="99 %"),
+            PaperGroup(name="easy", range_mm=(100.0, 140.0), recovered=True, after_initiation=0.99),
             PaperGroup(
                 name="difficult",
-                variants="55–95 mm (9)",
-                after_initiation="76 %",
+                range_mm=(55.0, 95.0),
+                recovered=True,
+                after_initiation=0.76,
                 curriculum=(540, 540),
                 control=(512, 540),
                 chi_square=26.73,
-                verdict="more successes with curriculum",
+                more_successes=True,
             ),
         ),
     ),
     "step": PaperResult(
         levels=3,
         groups=(
-            PaperGroup(name="easy", variants="21–33 mm (13)", after_initiation="94 %"),
+            PaperGroup(name="easy", range_mm=(21.0, 33.0), recovered=True, after_initiation=0.94),
             PaperGroup(
                 name="medium",
-                variants="34–46 mm (13)",
-                after_initiation="19 %",
+                range_mm=(34.0, 46.0),
+                recovered=True,
+                after_initiation=0.19,
                 curriculum=(779, 780),
                 control=(244, 780),
                 chi_square=809.76,
-                verdict="more successes with curriculum",
+                more_successes=True,
             ),
             PaperGroup(
                 name="difficult",
-                variants="47–50 mm (4)",
-                after_initiation="about 0 %",
+                range_mm=(47.0, 50.0),
+                recovered=True,
+                after_initiation=0.0,
                 curriculum=(239, 240),
                 control=(1, 240),
                 chi_square=468.07,
-                verdict="more successes with curriculum",
+                more_successes=True,
             ),
         ),
     ),
 }
-"""By obstacle."""
+"""By obstacle. The channel's ranges cannot be recovered: they are taken to divide at the start
+pose's width (248 mm), as the entrance's divide at its height (94.5 mm)."""
 
 SURVIVAL_CLAIM = "sooner with the curriculum in every group (log-rank test, p < 0.05)"
 """What the paper says of completion times on every obstacle."""
