@@ -22,7 +22,7 @@ def document_of(results: RunResults) -> Document:
         testing_section(results.analysis, comparison, results.tests),
         evidence_section(comparison),
         film_section(results.films),
-        paper_section(folder, results.analysis, comparison),
+        paper_section(results),
         provenance_section(folder),
     ]
     return Document(

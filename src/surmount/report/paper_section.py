@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from surmount.analysis import Analysis
 from surmount.core.paper import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
-from surmount.core.run_folder import RunFolder
+from surmount.report.claims import Claim, claims_of
 from surmount.report.comparison import Comparison, GroupComparison, Success
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
+from surmount.report.results import RunResults
 from surmount.report.text import UNDEFINED, counted, listed, number, percent, variant_range
 from surmount.report.verdicts import because, success_verdict, time_verdict
 
 
-def paper_section(
-    folder: RunFolder, analysis: Analysis | None, comparison: Comparison | None
-) -> Section | None:
+def paper_section(results: RunResults) -> Section | None:
     """Put both results side by side; ``None`` where the paper has none on this obstacle."""
+    folder, analysis, comparison = results.folder, results.analysis, results.comparison
     paper = PAPER_RESULTS.get(folder.obstacle)
     if paper is None:
         return None
@@ -69,7 +71,21 @@ def paper_section(
         text="The robot of the paper lives in another simulator, and several of its settings are "
         f"not printed; {counted(folder.networks, 'network')} per arm were trained here."
     )
-    return Section(anchor="paper", title="Beside the paper", blocks=(*blocks, intro, table))
+    claims = claims_of(results)
+    tables = (claim_table(claims), table) if claims else (table,)
+    return Section(anchor="paper", title="Beside the paper", blocks=(*blocks, intro, *tables))
+
+
+def claim_table(claims: Sequence[Claim], title: str = "Claim by claim") -> Table:
+    """Return the table of claims with their verdicts."""
+    headings = ("claim", "the paper", "this run", "verdict", "because")
+    return Table(
+        label="",
+        title=title,
+        columns=tuple(Column(heading=heading) for heading in headings),
+        rows=tuple((c.claim, c.paper, c.ours, c.verdict, c.reason) for c in claims),
+        notes=("The rules for verdicts were written before any run at the paper's scale.",),
+    )
 
 
 def _group_rows(
