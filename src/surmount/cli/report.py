@@ -8,15 +8,29 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.films import films
-from surmount.report import write_report
+from surmount.core.errors import ConfigError
+from surmount.report import write_overview, write_report
 
 
-def report(folder: Annotated[Path, tyro.conf.Positional]) -> int:
+def report(
+    folder: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DIR ...")],
+    *,
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None,
+) -> int:
     """Write report.html, figures and films of a run from its artefacts; works on unfinished runs.
 
     Args:
-        folder: The --out folder of a run.
+        folder: The --out folder of a run; of several, with --out, for one page over all of them.
+        out: Folder for the page over several runs.
     """
-    films(folder, print)
-    print(f"Report: {write_report(folder).resolve()}")
+    if out is not None:
+        print(f"Report: {write_overview(folder, out).resolve()}")
+        return 0
+    if len(folder) != 1:
+        raise ConfigError(
+            f"There are {len(folder)} runs.",
+            remedy="Give one run, or --out for a page over several.",
+        )
+    films(folder[0], print)
+    print(f"Report: {write_report(folder[0]).resolve()}")
     return 0

@@ -6,14 +6,14 @@ in a sentence and not by a traceback.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from surmount.core.extras import missing_extra
 
-__all__ = ["write_analysis_report", "write_report"]
+__all__ = ["write_analysis_report", "write_overview", "write_report"]
 
 
 def write_report(root: Path | str) -> Path:
@@ -77,6 +77,32 @@ def write_analysis_report(analysis_record: Mapping[str, Any], root: Path | str) 
         from surmount.report.writing import write_analysis_page  # noqa: PLC0415 - an extra
 
         return write_analysis_page(analysis_record, Path(root))
+
+
+def write_overview(roots: Sequence[Path | str], out: Path | str) -> Path:
+    """Write ``report.html`` and ``figures/`` over several runs, one per obstacle.
+
+    Parameters
+    ----------
+    roots
+        Output folders of runs, finished or not.
+    out
+        Folder for the page and the folder of figures.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    SurmountError
+        As :func:`write_report` for every run; an ``InputError`` if two are on the same obstacle.
+    """
+    with _extras():
+        from surmount.report.writing import write_overview_page  # noqa: PLC0415 - an extra
+
+        return write_overview_page([Path(root) for root in roots], Path(out))
 
 
 @contextmanager

@@ -77,14 +77,14 @@ def evidence_section(comparison: Comparison | None) -> Section | None:
     if comparison is None:
         return None
     rows = [
-        _evidence_row(
+        evidence_row(
             f"success, interquartile mean, {ARM_STYLES[arm].name}",
             comparison.interquartile_mean[arm],
         )
         for arm in ARMS
     ]
-    rows.append(_evidence_row("difference, curriculum − control", comparison.difference, "points"))
-    rows.append(_evidence_row("probability of improvement", comparison.probability_of_improvement))
+    rows.append(evidence_row("difference, curriculum − control", comparison.difference, "points"))
+    rows.append(evidence_row("probability of improvement", comparison.probability_of_improvement))
     table = Table(
         label="",
         title="Success over networks",
@@ -115,7 +115,8 @@ def evidence_section(comparison: Comparison | None) -> Section | None:
     )
 
 
-def _evidence_row(name: str, found: SeedInterval, unit: str = "%") -> tuple[str, str, str]:
+def evidence_row(name: str, found: SeedInterval, unit: str = "%") -> tuple[str, str, str]:
+    """Return a row of a table: name, estimate and interval."""
     values = (percent(found.estimate, 1), percent_interval(found.lower, found.upper, 1))
     estimate, limits = (value.replace("%", unit) for value in values)
     return name, estimate, limits

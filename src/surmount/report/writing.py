@@ -12,6 +12,7 @@ from surmount.core.store import output_errors
 from surmount.report.analysis_page import document_of_analysis
 from surmount.report.contents import document_of
 from surmount.report.document import Figure
+from surmount.report.overview import overview_of
 from surmount.report.page import page
 from surmount.report.results import read_run
 from surmount.report.stills import StillFiles, draw, write_still
@@ -27,6 +28,15 @@ def write_run_report(root: Path) -> Path:
         stills = _write_figures(document.figures(), root / FIGURES)
         write_atomically(root / PAGE, page(document, stills).encode())
     return root / PAGE
+
+
+def write_overview_page(roots: Sequence[Path], out: Path) -> Path:
+    """Write the page of several runs; see :func:`surmount.report.write_overview`."""
+    document = overview_of([read_run(root) for root in roots])
+    with output_errors(out):
+        stills = _write_figures(document.figures(), out / FIGURES)
+        write_atomically(out / PAGE, page(document, stills).encode())
+    return out / PAGE
 
 
 def write_analysis_page(record: Mapping[str, Any], root: Path) -> Path:
