@@ -18,6 +18,7 @@ EXTRAS = {
     "matplotlib": "report",
     "av": "video",
     "PIL": "video",
+    "onnx": "onnx",
     "tyro": "cli",
     "rich": "cli",
 }
