@@ -49,14 +49,19 @@ KINDS = {
     "one network": "the same, but the second network never changes",
     "own transitions": "networks differ, each with behaviours of its own",
     "one transition": "transition, but the second network, with its own behaviour, never changes",
+    "four networks": "own transitions, of four networks instead of two",
 }
 BASES = {
     "own behaviours": "plain",
     "one network": "plain",
     "own transitions": "networks differ",
     "one transition": "transition",
+    "four networks": "networks differ",
 }
 """Kinds that change a family of another kind."""
+
+SEED = 20_260
+"""The rule of ADR 10 was chosen on other seeds, its present settings on 20_250 and 20_251."""
 
 
 def below(statistic):
@@ -131,8 +136,12 @@ RULES = {
 def family(kind, rng):
     if kind in BASES:
         base = family(BASES[kind], rng)
-        steady = kind.startswith("one")
-        return dataclasses.replace(base, own_behaviours=True, steady_network=steady)
+        return dataclasses.replace(
+            base,
+            own_behaviours=True,
+            steady_network=kind.startswith("one"),
+            networks=4 if kind == "four networks" else 2,
+        )
     seed = int(rng.integers(2**31))
     if kind == "stuck":
         return SyntheticFamily(
@@ -240,27 +249,27 @@ def main():
     scale = sys.argv[2] if len(sys.argv) > 2 else "short"
     cases = {}
     for number, kind in enumerate(KINDS):
-        rng = np.random.default_rng([20_250, number])
+        rng = np.random.default_rng([SEED, number])
         drawn = [family(kind, rng) for _ in range(n_families)]
         cases[kind] = [recorded(case, scale) for case in drawn]
-    everything = [case for kind in KINDS for case in cases[kind]]
-    print(
-        f"{len(everything)} families, {scale} recordings, average linkage. Mean adjusted Rand index; share recovered"
-    )
-    print("exactly; and that share by kind.\n")
+        print(kind, file=sys.stderr, flush=True)
+    print(f"{n_families * len(KINDS)} families, {scale} recordings, average linkage. Mean adjusted")
+    print("Rand index; share recovered exactly; and that share by kind.\n")
     print("| rule | mean index | exact | " + " | ".join(KINDS) + " |")
     print("|---|---|---|" + "---|" * len(KINDS))
     for rule, options in RULES.items():
-        total = scores(everything, options)
-        cells = [f"{np.mean(scores(cases[kind], options) > 0.999):.0%}" for kind in KINDS]
-        exact = np.mean(total > 0.999)
-        print(f"| {rule} | {total.mean():.3f} | {exact:.1%} | " + " | ".join(cells) + " |")
-    print("\n| linkage | mean index of `abrupt` at 1.4 | 1.55 | 1.7 |")
+        found = np.stack([scores(cases[kind], options) for kind in KINDS])  # (kind, family)
+        exact = found > 0.999
+        cells = [f"{share:.0%}" for share in exact.mean(axis=1)]
+        line = f"| {rule} | {found.mean():.3f} | {exact.mean():.1%} | " + " | ".join(cells) + " |"
+        print(line, flush=True)
+    everything = [case for kind in KINDS for case in cases[kind]]
+    print("\n| linkage | mean index of `abrupt` at 1.4 | 1.5 | 1.6 |")
     print("|---|---|---|---|")
     for linkage in ("average", "complete", "single", "weighted", "ward"):
         cells = [
             f"{scores(everything, {'linkage': linkage, 'cut_off': t}).mean():.3f}"
-            for t in (1.4, 1.55, 1.7)
+            for t in (1.4, 1.5, 1.6)
         ]
         print(f"| {linkage} | " + " | ".join(cells) + " |")
 

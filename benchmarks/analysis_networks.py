@@ -2,12 +2,12 @@
 
     python benchmarks/analysis_networks.py [families per kind, default 20]
 
-Two networks try every variant. *Pooled* (the paper): one mixture per variant over the trials of
-both. Otherwise a mixture per variant and network, and the networks' distances D of two variants
-combined: *mean*, of D² (D² of the joint distribution of network and behaviour); *product*,
-1 - D² the geometric mean of the networks' 1 - D² (from the product of their distributions);
-*largest*. Families of the kinds of analysis_cut_rules.py; 8 components, the cut rule `abrupt` at
-several cut-offs, small groups merged; adjusted Rand index as there.
+Two networks (or four) try every variant. *Pooled* (the paper): one mixture per variant over the
+trials of all. Otherwise a mixture per variant and network, and the networks' distances D of two
+variants combined: *mean*, of D² (D² of the joint distribution of network and behaviour);
+*product*, 1 - D² the geometric mean of the networks' 1 - D² (from the product of their
+distributions); *largest*. Families of the kinds of analysis_cut_rules.py; 8 components, the cut
+rule `abrupt` at several cut-offs, small groups merged; adjusted Rand index as there.
 """
 
 from __future__ import annotations
@@ -39,11 +39,13 @@ def fitted(data, keep):
 def matrices(trials):
     """Return the distances of pooled networks, and combinations of the networks' own."""
     data = variant_samples(trials, CONFIG)
-    own = np.stack([fitted(data, trials.network == network) for network in (0, 1)])
+    own = np.stack(
+        [fitted(data, trials.network == network) for network in np.unique(trials.network)]
+    )
     return {
         "pooled": fitted(data, np.ones(trials.n_trials, dtype=bool)),
         "mean": np.sqrt(np.mean(np.square(own), axis=0)),
-        "product": np.sqrt(1.0 - np.sqrt(np.prod(1.0 - np.square(own), axis=0))),
+        "product": np.sqrt(1.0 - np.prod(1.0 - np.square(own), axis=0) ** (1.0 / len(own))),
         "largest": own.max(axis=0),
     }
 
@@ -52,7 +54,7 @@ def main():
     n_families = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     found = {}
     for number, kind in enumerate(KINDS):
-        rng = np.random.default_rng([20_251, number])
+        rng = np.random.default_rng([20_261, number])
         for _ in range(n_families):
             one = family(kind, rng)
             for name, matrix in matrices(one.generate()).items():

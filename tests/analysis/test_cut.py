@@ -137,6 +137,26 @@ def test_trials_in_a_transition_take_either_behaviour_with_sliding_frequency():
         np.testing.assert_allclose(passed[:, network], expected, atol=0.14)
 
 
+def test_networks_take_the_trials_in_turn_and_pass_at_places_spread_over_the_shift():
+    family = SyntheticFamily(
+        sizes=(6, 6),
+        behaviours=(0, 1),
+        networks=3,
+        network_shift=4.0,
+        stuck=(1,),
+        own_behaviours=True,
+        trials=6,
+        steps=40,
+    )
+    trials = family.generate()
+    np.testing.assert_array_equal(np.bincount(trials.network), [24, 24, 24])
+    np.testing.assert_array_equal(np.bincount(trials.repetition), [36, 36])
+    passed = np.mean(trials.lengths.reshape(12, 2, 3) == 60, axis=1)  # stuck until the time is up
+    # The boundary at 5.5 is shifted by -2, 0 and 2 variants, without a transition: all at once.
+    for network, boundary in enumerate((3.5, 5.5, 7.5)):
+        np.testing.assert_array_equal(passed[:, network], np.arange(12) > boundary)
+
+
 def test_identical_recordings_do_not_make_everything_abrupt():
     distances = np.zeros((6, 6))
     assert group_variants(distances, AnalysisConfig()).max() == 0

@@ -52,18 +52,20 @@ class SyntheticFamily:
     transition
         Variants, about, over which trials pass from the behaviour of one run to the next; 0 for
         all at once.
+    networks
+        Networks, which take the trials of a variant in turn.
     network_shift
-        Variants between the places where the first and the second network pass.
+        Variants between the places where the first and the last network pass.
     stuck
         Behaviours in which the robot stops midway and sits still until its time is up.
     own_behaviours
-        Whether the second network has behaviours of its own, as other training runs have.
+        Whether each network has behaviours of its own, as training runs have.
     steady_network
-        Whether the second network keeps to its first behaviour: then only the first network changes
-        from group to group.
+        Whether the last network keeps to its first behaviour: then only the others change from
+        group to group.
     trials, steps
-        Trials per variant, by two networks in turn, and control steps of the longest trial that
-        is not stuck.
+        Trials per variant, of all networks, and control steps of the longest trial that is not
+        stuck.
     seed
         Seed of behaviours and noise.
     """
@@ -77,6 +79,7 @@ class SyntheticFamily:
     saturated: bool = False
     unevenness: float = 1.0
     transition: float = 0.0
+    networks: int = 2
     network_shift: float = 0.0
     stuck: tuple[int, ...] = ()
     own_behaviours: bool = False
@@ -93,7 +96,7 @@ class SyntheticFamily:
         networks that change.
         """
         labels = np.repeat(self.behaviours, self.sizes)
-        passed = self._passed()[: 1 if self.steady_network else 2].mean(axis=0)
+        passed = self._passed()[: self.networks - self.steady_network].mean(axis=0)
         unsettled = np.minimum(passed, 1.0 - passed) >= _UNSETTLED
         labels[unsettled.any(axis=1)] = -1
         labels[list(self.outliers)] = -1
@@ -111,21 +114,26 @@ class SyntheticFamily:
         success_rate[list(self.stuck)] = 0.0
         noise = np.linspace(1.0, self.unevenness, max(self.behaviours) + 1)
         passed = self._passed()
-        networks = (courses, self._courses(rng) if self.own_behaviours else courses)
+        others = range(self.networks - 1)
+        own_courses = [
+            courses,
+            *(self._courses(rng) if self.own_behaviours else courses for _ in others),
+        ]
         first = np.cumsum([0, *self.sizes])
         places = [self._places(size) for size in self.sizes]
         parts: list[FloatArray] = []
         success: list[bool] = []
         for variant in range(n_variants):
             for trial in range(self.trials):
-                chances = passed[trial % 2, variant]
+                network = trial % self.networks
+                chances = passed[network, variant]
                 # The draw decides nothing without a transition, and is then not made.
                 draw = rng.random() if self.transition or self.network_shift else 0.5
-                steady = self.steady_network and trial % 2 == 1
+                steady = self.steady_network and network == self.networks - 1
                 run = 0 if steady else int((draw < chances).sum())
                 behaviour = self.behaviours[run]
                 place = places[run][np.clip(variant - first[run], 0, self.sizes[run] - 1)]
-                course = networks[trial % 2][behaviour] + place * drift[run]
+                course = own_courses[network][behaviour] + place * drift[run]
                 if variant in self.outliers:
                     course = own[variant]
                 stuck = behaviour in self.stuck
@@ -139,8 +147,10 @@ class SyntheticFamily:
             variant=np.repeat(100.0 + 10.0 * np.arange(n_variants), self.trials)
             .astype(np.float64)
             .reshape(-1, 1),
-            network=np.tile(np.arange(self.trials) % 2, n_variants).astype(np.int64),
-            repetition=np.tile(np.arange(self.trials) // 2, n_variants).astype(np.int64),
+            network=np.tile(np.arange(self.trials) % self.networks, n_variants).astype(np.int64),
+            repetition=np.tile(np.arange(self.trials) // self.networks, n_variants).astype(
+                np.int64
+            ),
             success=np.asarray(success, dtype=np.bool_),
             starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)[: n_trials + 1],
             features=np.concatenate(parts),
@@ -160,7 +170,8 @@ class SyntheticFamily:
         """Return how probably trials are past each boundary, ``(network, variant, boundary)``."""
         variants = np.arange(sum(self.sizes))[:, None]
         boundaries = np.cumsum(self.sizes)[:-1] - 0.5
-        shift = self.network_shift * np.array([-0.5, 0.5])[:, None, None]
+        places = np.linspace(-0.5, 0.5, self.networks) if self.networks > 1 else np.zeros(1)
+        shift = self.network_shift * places[:, None, None]
         passed = 0.5 + (variants - boundaries - shift) / (self.transition + 1.0)
         return np.clip(passed, 0.0, 1.0)
 
