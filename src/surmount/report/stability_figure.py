@@ -17,7 +17,6 @@ from surmount.report.text import percent, short, variant_label
 from surmount.report.variant_matrix import draw_matrix, matrix_panel, ticks_of, variant_title
 from surmount.stats import ProportionIntervals, proportion_intervals
 
-SHARE = "share of trials or replicates"
 HEIGHT_PX = 330
 
 
@@ -82,13 +81,17 @@ def _together(share: float) -> str:
     return f"in one group in {percent(share)} of the replicates"
 
 
+def _share(analysis: Analysis) -> str:
+    return f"share of trials{' or replicates' if analysis.variants.shape[1] == 1 else ''}"
+
+
 def _limits(analysis: Analysis) -> ProportionIntervals:
     won = np.rint(analysis.success_rate * analysis.n_trials).astype(np.int64)
     return proportion_intervals(won, analysis.n_trials)
 
 
 def _success_panel(analysis: Analysis, stability: Stability) -> go.Figure:
-    figure = plot(x_title=variant_title(analysis), y_title=SHARE)
+    figure = plot(x_title=variant_title(analysis), y_title=_share(analysis))
     labels = [variant_label(variant) for variant in analysis.variants]
     if analysis.variants.shape[1] == 1:
         figure.add_trace(
@@ -181,7 +184,7 @@ def _draw_success(ax: Axes, analysis: Analysis, stability: Stability) -> None:
     ax.set_xticks(ticks, labels, rotation=0 if len(analysis.parameters) == 1 else 90)
     ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel(variant_title(analysis))
-    ax.set_ylabel(SHARE, color=INK)
+    ax.set_ylabel(_share(analysis), color=INK)
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
 
 

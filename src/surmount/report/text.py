@@ -8,7 +8,13 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 
-UNITS = {"s": "s", "mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
+_LENGTHS_AND_ANGLES = {"mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
+UNITS = {
+    "s": "s",
+    **_LENGTHS_AND_ANGLES,
+    **{f"{name}_s": f"{unit}/s" for name, unit in _LENGTHS_AND_ANGLES.items()},
+    **{f"{name}_s2": f"{unit}/s²" for name, unit in _LENGTHS_AND_ANGLES.items()},
+}
 """Units that names end in, after an underscore, and how they are printed."""
 UNDEFINED = "—"
 MINUS = "\N{MINUS SIGN}"
@@ -29,9 +35,10 @@ _NAMES = {"fbem": "FBEM"}
 
 def name_and_unit(name: str) -> tuple[str, str]:
     """Split ``"sprawl_deg"`` into ``("sprawl", "°")``; the unit is empty where there is none."""
-    stem, _, unit = name.rpartition("_")
-    if stem and unit in UNITS:
-        return _NAMES.get(stem, stem.replace("_", " ")), UNITS[unit]
+    for unit in sorted(UNITS, key=len, reverse=True):  # a speed's is longer than a time's
+        stem = name.removesuffix(f"_{unit}")
+        if stem and stem != name:
+            return _NAMES.get(stem, stem.replace("_", " ")), UNITS[unit]
     return _NAMES.get(name, name.replace("_", " ")), ""
 
 
