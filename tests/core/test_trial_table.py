@@ -92,8 +92,17 @@ def test_all_problems_are_named_at_once_with_rows_and_remedies():
     text = str(caught.value)
     assert "3 problems" in text
     assert "column `network` is missing" in text
-    assert "row 4, 8: `x_mm` is missing, NaN or infinite" in text
+    assert "rows 4, 8: `x_mm` is missing, NaN or infinite" in text
     assert "row 2: `success` is neither 0 nor 1" in text
+
+
+def test_without_networks_problems_of_the_variants_are_named_as_well():
+    variant = np.repeat([10.0, 10.000000001], 6)
+    with pytest.raises(InputError) as caught:
+        trials_from_table(table(variant=variant, network=None), minimum_samples=7)
+    text = str(caught.value)
+    for problem in ("column `network` is missing", "by rounding only", "has 6 rows"):
+        assert problem in text
 
 
 def test_problems_of_values_do_not_hide_problems_of_trials_and_variants():
@@ -111,7 +120,7 @@ def test_problems_of_values_do_not_hide_problems_of_trials_and_variants():
     for problem in (
         "row 4: `x_mm` is missing",
         "row 3: `success` differs",
-        "row 8: has the same `time_s`",
+        "row 8: the same `time_s`",
         "only 2 variants",
         "variant 10 has 6 rows, fewer than 7",
     ):
@@ -126,7 +135,7 @@ X = np.arange(12.0)
     [
         ({"x_mm": np.ma.masked_array(X, X == 3)}, "row 4: `x_mm` is missing"),
         ({"network": np.ma.masked_array(["a"] * 12, X == 3)}, "row 4: `network` is missing"),
-        ({"network": np.array(["a", None, float("nan"), pd.NA] * 3, object)}, "row 2, 3, 4, 6, 7"),
+        ({"network": np.array(["a", None, float("nan"), pd.NA] * 3, object)}, "rows 2, 3, 4, 6, 7"),
         ({"x_mm": [[1.0], [2.0, 3.0]] * 6}, "`x_mm` is not a number"),
         ({"x_mm": np.zeros((12, 2))}, "`x_mm` has not one value per row"),
         ({"x_mm": 3.0}, "`x_mm` has not one value per row"),
@@ -169,7 +178,7 @@ def test_success_that_changes_within_a_trial_is_refused():
 
 
 def test_rows_logged_twice_are_refused_by_their_time():
-    with pytest.raises(InputError, match=r"row 2: has the same `time_s`"):
+    with pytest.raises(InputError, match=r"row 2: the same `time_s`"):
         trials_from_table(
             table(time_s=np.tile([0.0, 0.0, 0.2], 4))
             | {"trial": np.arange(12) // 3, "success": np.ones(12)}

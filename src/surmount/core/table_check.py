@@ -41,6 +41,8 @@ class Table:
         Shape ``(row,)``.
     features
         Shape ``(row, feature)``, each feature contiguous.
+    varied
+        Whether the columns of the task parameters are there and sound.
     identified
         Whether the columns that say which trial a row belongs to are sound.
     """
@@ -52,6 +54,7 @@ class Table:
     trial: Coded
     success: BoolArray
     features: FloatArray
+    varied: bool
     identified: bool
 
 
@@ -98,7 +101,9 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
     reached = success > 0.5
     del success
     parameters = [name for name in names if _is_parameter(name)]
+    before = len(problems.found)
     variant = coded_combinations([numbers(name) for name in parameters] or [np.zeros(n_rows)])
+    varied = bool(parameters) and len(problems.found) == before
     # Identities before features, so that the space they need while being coded is free again.
     about_labels = Problems()
     network, trial = labels("network", about_labels), labels("trial", about_labels)
@@ -116,6 +121,7 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
         trial=trial,
         success=reached,
         features=values,
+        varied=varied,
         identified=identified,
     )
 
@@ -190,5 +196,6 @@ def _empty() -> Table:
         trial=nothing,
         success=np.empty(0, np.bool_),
         features=np.empty((0, 0)),
+        varied=False,
         identified=False,
     )

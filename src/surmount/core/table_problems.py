@@ -26,7 +26,7 @@ class Problems:
         if rows.size:
             listed = ", ".join(str(row + 1) for row in rows[:_SHOWN_ROWS])
             more = f" and {rows.size - _SHOWN_ROWS} more" if rows.size > _SHOWN_ROWS else ""
-            self.add(f"row {listed}{more}: {problem}", remedy)
+            self.add(f"row{'s' if rows.size > 1 else ''} {listed}{more}: {problem}", remedy)
 
     def raise_if_any(self, source: str) -> None:
         """Refuse the table with all problems at once."""

@@ -110,6 +110,8 @@ def trials_from_table(
     """
     problems = Problems()
     columns = checked_columns(table, problems)
+    if columns.varied:
+        _check_variants(columns.variant, minimum_variants, minimum_samples, problems)
     if not columns.identified:
         problems.raise_if_any(source)
     first, trial = _trial_rows(columns)
@@ -117,7 +119,6 @@ def trials_from_table(
     order = None if in_order else np.argsort(trial, kind="stable")
     starts = np.concatenate([[0], np.cumsum(np.bincount(trial))]).astype(np.int64)
     _check_trials(columns, trial, first, starts, order, problems)
-    _check_variants(columns.variant, minimum_variants, minimum_samples, problems)
     problems.raise_if_any(source)
     if order is not None:
         for feature in columns.features.T:  # one by one: each makes a copy
@@ -179,7 +180,7 @@ def _check_trials(
         again.append(by_time[1:][equal])
     problems.rows(
         np.sort(np.concatenate(again)),
-        "has the same `time_s` as another row of the same trial",
+        "the same `time_s` as in another row of the same trial",
         "Remove duplicate rows, or give each repetition its own number in `trial`.",
     )
 
