@@ -69,6 +69,9 @@ ACTION_TERMS = (
 ACTIONS = tuple(term.name for term in ACTION_TERMS)
 """Their names."""
 
+_LOWEST: FloatArray = np.array(-1.0)
+_HIGHEST: FloatArray = np.array(1.0)
+
 
 def checked_actions(actions: npt.ArrayLike, num_envs: int) -> FloatArray:
     """Return actions as numbers clipped to [−1, 1], shape ``(env, action)``.
@@ -79,10 +82,11 @@ def checked_actions(actions: npt.ArrayLike, num_envs: int) -> FloatArray:
         If they do not fit or are not finite.
     """
     values = np.asarray(actions, dtype=np.float64)
-    if values.shape != (num_envs, len(ACTIONS)) or not np.isfinite(values).all():
+    fits = values.shape == (num_envs, len(ACTIONS))
+    if not fits or np.count_nonzero(np.isfinite(values)) < values.size:
         raise InputError(
             f"Actions of shape {values.shape} do not fit or are not finite.",
             remedy=f"Give finite numbers of shape {(num_envs, len(ACTIONS))}.",
         )
-    clipped = np.maximum(values, -1.0)
-    return np.minimum(clipped, 1.0, out=clipped)
+    clipped = np.maximum(values, _LOWEST)
+    return np.minimum(clipped, _HIGHEST, out=clipped)

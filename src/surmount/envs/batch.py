@@ -123,7 +123,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         )
         self._streams = Streams(num_envs)
         self._episodes = Episodes(num_envs, self.config)
-        self._observer = Observer(terms)
+        self._observer = Observer(terms, num_envs)
         self._randomiser: Randomiser | None = None
         if not self.config.randomisation.is_off:
             self._randomiser = Randomiser(
@@ -134,6 +134,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             )
         self._fixed_start = fixed_start(self.config)
         self._reward = Reward(self.config)
+        self._everywhere: BoolArray = np.ones(num_envs, dtype=np.bool_)
         self._measures: Measures | None = None
 
     # Tasks ------------------------------------------------------------------------------------
@@ -198,7 +199,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
                 super().reset(seed=int(seed))
         mask = chosen.mask | (self._measures is None)
         measures = self._begin(np.flatnonzero(mask), chosen.variant, fixed=chosen.fixed)
-        return self._observe(measures), with_masks(self._infos(measures), self.num_envs)
+        return self._observe(measures), with_masks(self._infos(measures), self._everywhere)
 
     def _begin(
         self, envs: IntArray, variant: FloatArray | None = None, *, fixed: bool = False
@@ -255,15 +256,16 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             now = self._begin(np.flatnonzero(ended))
         if self.render_mode == "human":
             self.render()
-        infos = with_masks(self._infos(now), self.num_envs)
-        return self._observe(now), reward, terminated, truncated, infos | final
+        infos = with_masks(self._infos(now), self._everywhere)
+        infos.update(final)
+        return self._observe(now), reward, terminated, truncated, infos
 
     def _observe(self, measures: Measures) -> Observations:
         noise = None if self._randomiser is None else self._randomiser.noise
         return self._observer.observe(measures, self._episodes.variant[:, 0], noise)
 
     def _infos(self, measures: Measures) -> Infos:
-        infos = step_infos(measures, self._episodes, self.config.course.target_m)
+        infos = step_infos(measures, self._episodes)
         return infos if self._randomiser is None else infos | self._randomiser.infos()
 
     def generator(self, env: int) -> np.random.Generator:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -27,11 +28,11 @@ INFO_KEYS = {
 """What the infos of every reset and step hold, and what each entry means."""
 
 
-def step_infos(measures: Measures, episodes: Episodes, target_m: float) -> Infos:
+def step_infos(measures: Measures, episodes: Episodes) -> Infos:
     """Return the infos of all environments, without masks, one row per environment."""
     fbem_deg, sprawl_deg = episodes.path_deg.copy()
     return {
-        "features": features(measures, episodes.time_s, target_m),
+        "features": features(measures, episodes.steps, episodes.interval_s, episodes.target_m),
         "variant": episodes.variant.copy(),
         "is_success": episodes.success.copy(),
         "diverged": episodes.diverged.copy(),
@@ -41,11 +42,15 @@ def step_infos(measures: Measures, episodes: Episodes, target_m: float) -> Infos
     }
 
 
-def with_masks(infos: Infos, num_envs: int) -> Infos:
-    """Add Gymnasium's mask of each key to infos: all environments have it."""
-    everywhere: BoolArray = np.ones(num_envs, dtype=np.bool_)
-    infos.update(dict.fromkeys(["_" + key for key in infos], everywhere))
+def with_masks(infos: Infos, everywhere: BoolArray) -> Infos:
+    """Add Gymnasium's mask of each key, a copy of ``everywhere``: all environments have it."""
+    infos.update(dict.fromkeys(_mask_keys(tuple(infos)), everywhere.copy()))
     return infos
+
+
+@functools.cache
+def _mask_keys(keys: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"_{key}" for key in keys)
 
 
 def final_infos(observation: Observations, infos: Infos, ended: BoolArray) -> Infos:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
 
 MEASURES = ("yaw_deg", "pitch_deg", "fbem_deg", "sprawl_deg", "speed_mps", "x_m", "y_m", "z_m")
 """Rows of :class:`Measures`."""
@@ -83,18 +83,34 @@ FEATURE_NAMES = ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
 """Features logged at every decision (paper II-A)."""
 
 
-def features(measures: Measures, time_s: FloatArray, target_m: float) -> FloatArray:
+def features(
+    measures: Measures,
+    steps: IntArray,
+    decision_interval_s: FloatArray | float,
+    target_m: FloatArray | float,
+) -> FloatArray:
     """Return the logged features, shape ``(env, feature)``.
 
     The distance is Euclidean, in the horizontal plane, from the base to the target point: the
     middle of the target line.
+
+    Parameters
+    ----------
+    measures
+        What is measured.
+    steps
+        Decisions since each episode began, shape ``(env,)``.
+    decision_interval_s
+        Time between decisions in s.
+    target_m
+        Position of the target line along the course in m.
     """
-    table = np.empty((time_s.size, len(FEATURE_NAMES)))
-    table[:, 0] = time_s
-    table[:, 1:3] = measures.joints_deg[::-1].T
+    rows = np.empty((len(FEATURE_NAMES), steps.size))
+    np.multiply(steps, decision_interval_s, out=rows[0])
+    rows[1:3] = measures.joints_deg[::-1]
     square = target_m - measures.x_m
     square *= square
     y_m = measures.y_m
     square += y_m * y_m
-    np.sqrt(square, out=table[:, 3])
-    return table
+    np.sqrt(square, out=rows[3])
+    return rows.T

@@ -14,18 +14,16 @@ from mujoco.batch import Batch, SimulationError
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.envs.actions import ACTIONS
 from surmount.envs.config import EnvConfig
-from surmount.envs.measures import MEASURES, Measures
+from surmount.envs.gauge import Gauge
+from surmount.envs.measures import Measures
 from surmount.envs.obstacles import Obstacle, block_positions, blocks
 from surmount.envs.scene import build_model
 from surmount.envs.starts import Start
 from surmount.robot.parts import SIDES
-from surmount.robot.running_gear import rolling_radius_m, wheel_names
 
 DIVERGED_VELOCITY = 1e3
 """A generalised speed (m/s or rad/s) above this is a diverged simulation."""
-
-
-_DEGREES = 180.0 / math.pi
+_TOO_FAST: FloatArray = np.array(DIVERGED_VELOCITY)
 
 
 class Simulation:
@@ -67,11 +65,7 @@ class Simulation:
             int(self.model.body(block.name).mocapid[0]) for block in blocks(obstacle, config.course)
         ]
         self._action_of_servo, self._rate_of_servo = self._servo_map()
-        self._measured = self._measured_columns()
-        rim_m = rolling_radius_m(config.robot) / len(wheel_names(config.robot))
-        # Yaw (whose sine is that of −yaw), pitch, means of two joint angles, mean rim speed.
-        units = [-_DEGREES, _DEGREES, 0.5 * _DEGREES, 0.5 * _DEGREES, rim_m]
-        self._units: FloatArray = np.array(units)[:, None]
+        self._gauge = Gauge(self.batch, config.robot)
         self._before: FloatArray = np.empty_like(self.batch.state)
         self._speeds: FloatArray = np.empty(self._qvel.shape)
         self._none: BoolArray = np.zeros(num_envs, dtype=np.bool_)
@@ -79,26 +73,6 @@ class Simulation:
 
     def _position(self, joint: str) -> int:
         return int(self.model.joint(joint).qposadr[0])
-
-    def _dof(self, joint: str) -> int:
-        return int(self.model.joint(joint).dofadr[0])
-
-    def _measured_columns(self) -> IntArray:
-        """Return the columns of the state that :meth:`measure` reads, in its order."""
-        item = self.batch.state.itemsize
-
-        def first(view: FloatArray) -> int:
-            return (view.ctypes.data - self.batch.state.ctypes.data) // item
-
-        qpos, qvel = first(self._qpos), first(self._qvel)
-        w, x, y, z = range(qpos + 3, qpos + 7)
-        left, right = (
-            [qpos + self._position(f"{side}_{joint}") for joint in ("fbem", "sprawl")]
-            for side in SIDES
-        )
-        wheels = [qvel + self._dof(name) for name in wheel_names(self._config.robot)]
-        factors = [x, x, x, x, w, w, z, y, y, z, x, x, z, y, z, y]
-        return np.array([*factors, *left, *right, qpos, qpos + 1, qpos + 2, *wheels])
 
     def _servo_map(self) -> tuple[IntArray, FloatArray]:
         """Return each servo's action and its rate at a full action."""
@@ -139,7 +113,8 @@ class Simulation:
             failed[error.ids] = True
         # NaN fails the comparison; looking at all simulations at once is the cheap common case.
         # Positions are integrated from velocities: they cannot be the first to be not finite.
-        if not np.abs(self._qvel, out=self._speeds).max() < DIVERGED_VELOCITY:
+        np.abs(self._qvel, out=self._speeds)
+        if np.count_nonzero(self._speeds < _TOO_FAST) < self._speeds.size:
             failed = failed | ~(self._speeds.max(axis=1) < DIVERGED_VELOCITY)
         if failed is not self._none:
             if running is not None:
@@ -149,23 +124,7 @@ class Simulation:
 
     def measure(self) -> Measures:
         """Return what the robots measure."""
-        # One row per coordinate: contiguous operands keep the arithmetic fast, and independent of
-        # the number of simulations.
-        columns = self.batch.state.take(self._measured, axis=1).T.copy()
-        products = columns[:8] * columns[8:16]
-        # Entries of the rotation matrix, halved: horizontal part of the lateral axis (xy − wz,
-        # ½ − xx − zz), and heights of the forward and upward axes (xz − wy, ½ − xx − yy).
-        sines = products[:2] - products[4:6]
-        cosines = products[2:4] + products[6:]
-        np.subtract(0.5, cosines, out=cosines)
-        rows = np.empty((len(MEASURES), columns.shape[1]))
-        np.arctan2(sines, cosines, out=rows[:2])
-        np.add(columns[16:18], columns[18:20], out=rows[2:4])
-        np.add.reduce(columns[23:], axis=0, out=rows[4])
-        scaled = rows[:5]
-        scaled *= self._units
-        rows[5:] = columns[20:23]
-        return Measures(rows=rows)
+        return self._gauge.read()
 
     def place(self, env: int, size_mm: float, start: Start) -> None:
         """Put simulation ``env`` at rest into a start pose, before an obstacle of a size."""
