@@ -1,11 +1,14 @@
 """Speed of stepping the environments, as ratios to named peers within one run.
 
-    OMP_NUM_THREADS=1 python benchmarks/stepping_speed.py [peers|scaling|memory ...] [--threads 2]
+    OMP_NUM_THREADS=1 python benchmarks/stepping_speed.py [peers|parts|scaling|memory ...]
 
 peers    9 environments, same model, same starts, same actions, same ticks. Peers: a bare loop, in
          which as many Python threads each call ``mj_step(model, data, nstep)`` on their share of
          the simulations and never wait for each other; Stable-Baselines3's DummyVecEnv and
          SubprocVecEnv, Gymnasium's SyncVectorEnv and AsyncVectorEnv over single environments.
+parts    Where the time of a decision of the batched environment goes: MuJoCo's call, and what Python
+         does around it. Percentiles of single decisions: on a busy machine the lower ones are of
+         those that nothing else interrupted.
 scaling  Ticks a second over 1 to 256 environments, beside the bare loop on as many threads.
 memory   Resident memory that a further environment takes.
 
@@ -22,14 +25,21 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import ExitStack
+from unittest import mock
 
 import gymnasium
 import mujoco
 import numpy as np
+from mujoco.batch import Batch
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 import surmount.envs  # noqa: F401  (registers the environments)
-from surmount.envs import ObstacleEnv, ObstacleVectorEnv
+from surmount.envs import EnvConfig, ObstacleEnv, ObstacleVectorEnv
+from surmount.envs.episodes import Episodes
+from surmount.envs.observations import Observer
+from surmount.envs.rewards import Reward
+from surmount.envs.simulation import Simulation
 
 OBSTACLE, GYM_ID = "step", "surmount/Step-v0"
 OPTIONS = {"start": "fixed", "variant": 30.0}
@@ -37,7 +47,11 @@ WHOLE_STATE = mujoco.mjtState.mjSTATE_INTEGRATION.value
 
 
 def random_actions(steps, num_envs):
-    """Actions that move the robot about before the step: no episode ends."""
+    """Actions that move the robot about before the step: no episode ends.
+
+    None reaches the target in so short a time; the cap would end those of twice as many decisions.
+    """
+    assert steps <= EnvConfig().steps_per_episode // 2, "Measure fewer decisions."
     return np.random.default_rng(0).uniform(-1, 1, (steps, num_envs, 3)).astype(np.float32)
 
 
@@ -175,12 +189,70 @@ def peers(args):
         runner.env.close()
 
 
+WHOLE, PHYSICS, COMMANDS = "whole decision", "MuJoCo's call", "commands, divergence"
+PARTS = (
+    (WHOLE, ObstacleVectorEnv, "step"),
+    (PHYSICS, Batch, "step"),
+    (COMMANDS, Simulation, "advance"),
+    ("measures", Simulation, "measure"),
+    ("endings", Episodes, "go_on"),
+    ("reward", Reward, "running"),
+    ("infos", ObstacleVectorEnv, "_infos"),
+    ("observations", Observer, "observe"),
+)
+"""Parts of a decision and their methods."""
+
+
+def timed(method, taken):
+    """Return the method with the seconds of its calls kept."""
+
+    def call(*args, **kwargs):
+        begin = time.perf_counter()
+        result = method(*args, **kwargs)
+        taken.append(time.perf_counter() - begin)
+        return result
+
+    return call
+
+
+def seconds_of_parts(args, threads):
+    """Return seconds of every decision, by part."""
+    env = ObstacleVectorEnv(OBSTACLE, 9, n_threads=threads)
+    actions = random_actions(args.steps, env.num_envs)
+    everything = {part: [] for part, _, _ in PARTS}
+    for _ in range(args.repeats):
+        env.reset(seed=0, options=OPTIONS)
+        with ExitStack() as patches:
+            for part, owner, name in PARTS:
+                method = timed(getattr(owner, name), everything[part])
+                patches.enter_context(mock.patch.object(owner, name, method))
+            for action in actions:
+                env.step(action)
+    return {part: np.array(taken) for part, taken in everything.items()}
+
+
+def parts(args):
+    percentiles = (5, 25, 50)
+    for threads in sorted({1, args.threads}):
+        taken = seconds_of_parts(args, threads)
+        taken[COMMANDS] -= taken[PHYSICS]
+        whole = taken.pop(WHOLE)
+        taken["the rest, and looking at the clock"] = whole - sum(taken.values())
+        taken |= {"all but MuJoCo's call": whole - taken[PHYSICS], WHOLE: whole}
+        print(f"\n9 environments, {threads} threads, µs a decision, percentiles.\n")
+        print(f"| part | {' | '.join(f'{p} %' for p in percentiles)} |")
+        print("|---" * (len(percentiles) + 1) + "|")
+        for part, seconds in taken.items():
+            cells = (f"{1e6 * value:.1f}" for value in np.percentile(seconds, percentiles))
+            print(f"| {part} | {' | '.join(cells)} |")
+
+
 def scaling(args):
     print("\n| environments | threads | ticks a second | bare loop | ratio |")
     print("|---|---|---|---|---|")
     for num_envs in (1, 2, 4, 9, 16, 32, 64, 128, 256):
         for threads in sorted({1, min(args.threads, num_envs)}):
-            steps = max(20, 2000 // num_envs)
+            steps = min(1000, max(20, 2000 // num_envs))
             runners = [Bare(num_envs, threads), Ours(num_envs, threads)]
             seconds = interleaved(runners, random_actions(steps, num_envs), args.repeats)
             ticks = steps * num_envs * runners[0].ticks / np.median(seconds, axis=0)
@@ -216,18 +288,18 @@ def memory(args):
 
 
 def main():
-    parts = {"peers": peers, "scaling": scaling, "memory": memory}
+    every = {"peers": peers, "parts": parts, "scaling": scaling, "memory": memory}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "parts", nargs="*", choices=[[], *parts], help="what to measure; all if none"
+        "parts", nargs="*", choices=[[], *every], help="what to measure; all if none"
     )
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--steps", type=int, default=200)
     parser.add_argument("--repeats", type=int, default=15)
     args = parser.parse_args()
     print(f"MuJoCo {mujoco.__version__}, NumPy {np.__version__}, {platform.machine()}")
-    for name in args.parts or parts:
-        parts[name](args)
+    for name in args.parts or every:
+        every[name](args)
         sys.stdout.flush()
 
 
