@@ -6,9 +6,9 @@ peers    9 environments, same model, same starts, same actions, same ticks. Peer
          which as many Python threads each call ``mj_step(model, data, nstep)`` on their share of
          the simulations and never wait for each other; Stable-Baselines3's DummyVecEnv and
          SubprocVecEnv, Gymnasium's SyncVectorEnv and AsyncVectorEnv over single environments.
-parts    Where the time of a decision of the batched environment goes: MuJoCo's call, and what Python
-         does around it. Percentiles of single decisions: on a busy machine the lower ones are of
-         those that nothing else interrupted.
+parts    Where the time of a decision of the batched environment goes: MuJoCo's call, and what
+         Python does around it. Percentiles of single decisions: on a busy machine the lower ones
+         are of those that nothing else interrupted.
 scaling  Ticks a second over 1 to 256 environments, beside the bare loop on as many threads.
 memory   Resident memory that a further environment takes.
 
