@@ -5,13 +5,15 @@
 Prints Markdown: learning steps per second of ``surmount.learn.Trainer`` on the batched environment
 and of Stable-Baselines3's PPO on single environments, same obstacle, network, batch and epochs,
 roll-outs taken in turns in one process (A B A B), medians and their ratio; where the time goes in
-both; and two single-threaded runs side by side against one. Takes about three minutes on two idle
-cores. On a busy machine read the ratios, best those of CPU time at one thread.
+both; and two single-threaded runs side by side against one, beside what the machine gives two
+processes of physics and of matrix products alone. Takes about six minutes on two idle cores. On a
+busy machine read the ratios, best those of CPU time at one thread.
 """
 
 from __future__ import annotations
 
 import argparse
+import copy
 import multiprocessing
 import os
 import platform
@@ -19,6 +21,8 @@ import time
 from importlib.metadata import version
 from statistics import median
 
+import mujoco
+import numpy as np
 import torch
 from mujoco.batch import Batch
 from stable_baselines3 import PPO
@@ -186,40 +190,103 @@ def breakdown(call, rollouts):
     return {part: 1e6 * t / (rollouts * STEPS) for part, t in watch.seconds.items()}
 
 
-def train_alone(obstacle, rollouts, seed, barrier, results):
-    """Train single-threaded in a process of its own, from a common start."""
+def physics_round(obstacle):
+    """Return a function that calls ``mj_step`` alone on nine simulations, as a roll-out does."""
+    env = ObstacleVectorEnv(obstacle, CONFIG.num_envs, n_threads=1)
+    env.reset(seed=0)
+    simulation, ticks = env.simulation, env.config.ticks_per_decision
+    model = simulation.model
+    start = [simulation.batch.get_data(index) for index in range(CONFIG.num_envs)]
+    controls = np.random.default_rng(0).uniform(-1, 1, (200, CONFIG.num_envs, model.nu))
+    controls *= model.actuator_ctrlrange[:, 1]
+
+    def step():
+        datas = [copy.copy(data) for data in start]
+        for row in controls:
+            for data, control in zip(datas, row, strict=True):
+                data.ctrl[:] = control
+                mujoco.mj_step(model, data, ticks)
+
+    return step, len(controls) * CONFIG.num_envs * ticks
+
+
+def product_round():
+    """Return a function that multiplies matrices alone, of the sizes of the networks' update."""
+    width = CONFIG.hidden_layers[0]
+    batch, weights = torch.rand(CONFIG.batch_size, width), torch.rand(width, width)
+
+    def multiply():
+        for _ in range(200):
+            torch.mm(batch, weights)
+
+    return multiply, 200
+
+
+def training_round(obstacle, seed):
+    """Return a function that trains on one more roll-out."""
+    return our_rollout(obstacle, 1, seed), STEPS
+
+
+WORK = {
+    "training, learning steps": training_round,
+    "`mj_step` alone, ticks": lambda obstacle, _: physics_round(obstacle),
+    "matrix products alone": lambda _, __: product_round(),
+}
+"""What is done by one process and by two side by side: a function and its units of work."""
+
+
+def work_alone(what, obstacle, seconds, seed, barrier, results):
+    """Work single-threaded in a process of its own, from a common start, as long as asked for."""
     torch.set_num_threads(1)
-    call = our_rollout(obstacle, 1, seed)
+    call, units = WORK[what](obstacle, seed)
     call()
     barrier.wait()
-    start = time.monotonic()
-    for _ in range(rollouts):
+    start, done = time.monotonic(), 0
+    while time.monotonic() < start + seconds:
         call()
-    results.put((start, time.monotonic()))
+        done += units
+    results.put(done / (time.monotonic() - start))
 
 
-def rate_of_processes(count, args):
-    """Return learning steps per second of ``count`` processes together, first start to last end."""
+def rate_of_processes(what, count, args):
+    """Return units of work per second of ``count`` processes together."""
     context = multiprocessing.get_context("spawn")
     barrier, results = context.Barrier(count), context.Queue()
-    arguments = [
-        (args.obstacle, args.side_rollouts, seed, barrier, results) for seed in range(count)
+    processes = [
+        context.Process(
+            target=work_alone,
+            args=(what, args.obstacle, args.side_seconds, seed, barrier, results),
+        )
+        for seed in range(count)
     ]
-    processes = [context.Process(target=train_alone, args=given) for given in arguments]
     for process in processes:
         process.start()
-    starts, ends = zip(*[results.get() for _ in processes], strict=True)
+    rates = [results.get() for _ in processes]
     for process in processes:
         process.join()
-    return count * args.side_rollouts * STEPS / (max(ends) - min(starts))
+    return sum(rates)
 
 
 def side_by_side(args):
-    """Print the throughput of two single-threaded runs against that of one."""
-    pairs = [[rate_of_processes(count, args) for count in (1, 2)] for _ in range(args.side_pairs)]
-    one, two = (median(rates) for rates in zip(*pairs, strict=True))
-    print("\n| single-threaded runs | steps/s together, median | ratio |\n|---|---|---|")
-    print(f"| 1 | {one:,.0f} | 1 |\n| 2 side by side | {two:,.0f} | {two / one:.2f} |", flush=True)
+    """Print the throughput of two single-threaded processes against that of one.
+
+    Two runs of training cannot do better than the machine: how far two processes that share nothing
+    but its processors get stands beside it, in physics and in matrix products alone.
+    """
+    rates = {what: [] for what in WORK}
+    for _ in range(args.side_pairs):
+        for what, pairs in rates.items():
+            pairs.append([rate_of_processes(what, count, args) for count in (1, 2)])
+    print("\n| single-threaded | one process, per second | two together | ratio (range) |")
+    print("|---|---|---|---|")
+    for what, pairs in rates.items():
+        one, two = (median(column) for column in zip(*pairs, strict=True))
+        ratios = sorted(b / a for a, b in pairs)
+        print(
+            f"| {what} | {one:,.0f} | {two:,.0f} | {median(ratios):.2f} "
+            f"({ratios[0]:.2f} to {ratios[-1]:.2f}) |",
+            flush=True,
+        )
 
 
 def main():
@@ -237,11 +304,12 @@ def main():
         "--breakdown-rollouts", type=int, default=2, help="for the parts (default: %(default)s)"
     )
     parser.add_argument(
-        "--side-rollouts", type=int, default=3, help="roll-outs side by side (default: %(default)s)"
+        "--side-seconds", type=float, default=8.0, help="of each process (default: %(default)s)"
     )
     parser.add_argument(
-        "--side-pairs", type=int, default=2, help="of one run and two; 0 for none (default: 2)"
+        "--side-pairs", type=int, default=3, help="of one and two; 0 for none (default: 3)"
     )
+    parser.add_argument("--only-side", action="store_true", help="measure nothing else")
     args = parser.parse_args()
     packages = ("torch", "stable-baselines3", "mujoco", "numpy")
     print(", ".join(f"{name} {version(name)}" for name in packages), end="; ")
@@ -252,7 +320,8 @@ def main():
     )
     print(f"environments, {CONFIG.hidden_layers}, batch {CONFIG.batch_size}, ", end="")
     print(f"{CONFIG.epochs} epochs\n", flush=True)
-    compare(args)
+    if not args.only_side:
+        compare(args)
     if args.side_pairs:
         side_by_side(args)
 
