@@ -44,7 +44,7 @@ class Watcher:
     """Keeps what a run told."""
 
     def __init__(self):
-        self.started, self.sentences = [], []
+        self.started, self.sentences, self.lost = [], [], []
 
     def stage_reused(self, artefact):
         pass
@@ -55,17 +55,20 @@ class Watcher:
     def stage_finished(self, artefact, seconds):
         pass
 
+    def stage_lost(self, stage, *, again):
+        self.lost.append(stage)
+
     def listen(self, event):
         if isinstance(event.told, str):
             self.sentences.append((event.stage, event.told))
 
 
-def run_small(root: Path, config: ExperimentConfig, processes: int = 0):
+def run_small(root: Path, config: ExperimentConfig, processes: int = 0, url=None, **options):
     begin(root, config)
     watcher = Watcher()
-    executor = make_executor(processes, watcher.listen)
+    executor = make_executor(processes, watcher.listen, **options)
     try:
-        outcome = run(root, config, executor, watcher)
+        outcome = run(root, config, executor, watcher, url=url)
     finally:
         executor.close()
     return outcome, watcher

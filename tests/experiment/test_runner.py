@@ -9,15 +9,20 @@ import threading
 import pytest
 import toy_stages
 
-from surmount.core.errors import IntegrityError, LearningError, SurmountError
+from surmount.core.errors import IntegrityError, LearningError
 from surmount.core.records import read_record
-from surmount.experiment import GraphRunner, InProcessExecutor, ProcessExecutor
+from surmount.experiment import (
+    GraphRunner,
+    InProcessExecutor,
+    ProcessExecutor,
+    WorkerLostError,
+)
 from surmount.experiment.graph import Stage, check_graph
 
 
 class Observer:
     def __init__(self):
-        self.reused, self.started, self.finished, self.told = [], [], [], []
+        self.reused, self.started, self.finished, self.told, self.lost = [], [], [], [], []
 
     def stage_reused(self, artefact):
         self.reused.append(artefact.stage)
@@ -28,8 +33,15 @@ class Observer:
     def stage_finished(self, artefact, seconds):
         self.finished.append(artefact.stage)
 
+    def stage_lost(self, stage, *, again):
+        self.lost.append((stage, again))
+
     def listen(self, event):
         self.told.append(event)
+
+    @property
+    def sentences(self):
+        return [(e.stage, e.told) for e in self.told if isinstance(e.told, str)]
 
 
 def graph(n=1, seed=0):
@@ -113,13 +125,31 @@ def test_what_a_stage_finds_wrong_reaches_the_caller_whole(tmp_path, processes):
     assert caught.value.remedy == "Lower the learning rate."
 
 
-def test_a_killed_worker_is_reported_and_the_next_call_goes_on(tmp_path):
-    stages = [Stage(name="mortal", function=toy_stages.die)]
-    with pytest.raises(SurmountError, match=r"worker process was killed.*`mortal`") as caught:
-        run(tmp_path, stages, processes=1)
+@pytest.mark.parametrize("retries", [0, 1])
+def test_a_killed_worker_is_reported_once_its_retries_are_used_up(tmp_path, retries):
+    stages = [Stage(name="mortal", function=toy_stages.die, config={"times": 2})]
+    observer = Observer()
+    executor = ProcessExecutor(1, observer.listen)
+    with pytest.raises(WorkerLostError, match="worker process of stage `mortal`") as caught:
+        GraphRunner(tmp_path, stages, executor, observer, retries=retries).run()
+    executor.close()
     assert "Run the same command again" in caught.value.remedy
-    outcome, _ = run(tmp_path, stages, processes=1)
-    assert read_record(outcome.artefacts["mortal"].path("n.json"))["n"] == 1
+    assert observer.lost == [("mortal", True)] * retries + [("mortal", False)]
+    assert len(toy_stages.deaths(tmp_path)) == retries + 1
+
+
+def test_only_the_stage_of_a_killed_worker_runs_again(tmp_path):
+    stages = [
+        Stage(name="mortal", function=toy_stages.die, config={"times": 2}),
+        Stage(name="count", function=toy_stages.count_slowly),
+        *graph(),
+    ]
+    outcome, observer = run(tmp_path, stages, processes=2)
+    assert observer.lost == [("mortal", True)] * 2
+    assert sorted(observer.started) == sorted(["mortal"] * 2 + [stage.name for stage in stages])
+    assert [told for told in observer.sentences if told[0] == "count"] == [("count", "starts at 0")]
+    assert read_record(outcome.artefacts["mortal"].path("n.json"))["n"] == 2
+    assert not list(tmp_path.rglob("*.tmp"))
 
 
 def test_workers_that_cannot_start_are_reported_with_the_usual_cause(tmp_path):

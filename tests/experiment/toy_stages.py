@@ -46,12 +46,18 @@ def fail(context):
 
 
 def die(context):
-    """Be killed, once: as by the system when memory runs out."""
-    marker = context.checkpoint / "died"
-    if not marker.exists():
-        marker.touch()
+    """Be killed, a number of times: as by the system when memory runs out."""
+    died = len(list(context.checkpoint.iterdir()))
+    if died < context.config["times"]:
+        (context.output / "half").write_text("written", encoding="utf-8")
+        (context.checkpoint / f"death-{died}").touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    write_record(context.output / "n.json", {"n": 1})
+    write_record(context.output / "n.json", {"n": died})
+
+
+def deaths(root):
+    """Return the marks that :func:`die` left."""
+    return list(root.rglob("death-*"))
 
 
 def _note_call(context):

@@ -97,6 +97,13 @@ class RunDisplay:
             self._bars.remove_task(self._tasks.pop(stage))
         self._say(stage, f"finished in {seconds:.0f} s")
 
+    def stage_lost(self, stage: str, *, again: bool) -> None:
+        """End the bar of a stage whose worker was lost."""
+        if stage in self._tasks:
+            self._bars.remove_task(self._tasks.pop(stage))
+        then = "it is run again from its last checkpoint" if again else "it is given up"
+        self._say(stage, f"its worker was killed or lost; {then}")
+
     def _advance(self, stage: str, progress: StageProgress) -> None:
         now = time.monotonic()
         began, done_then = self._begun.setdefault(stage, (now, progress.done))

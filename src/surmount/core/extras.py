@@ -21,6 +21,8 @@ EXTRAS = {
     "onnx": "onnx",
     "tyro": "cli",
     "rich": "cli",
+    "ray": "cluster",
+    "fsspec": "cluster",
 }
 """Extra that brings each importable package."""
 

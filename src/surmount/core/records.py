@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
@@ -46,35 +47,79 @@ def read_record(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file is missing, is not JSON, or does not hold an object.
+        If the file is missing, is not a plain file, is not JSON, or does not hold an object.
     """
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
+        if path.exists() and not path.is_file():  # a pipe or a device would never end
+            raise InputError(f"{path} is not a file.", remedy="Give the path of a JSON file.")
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
         raise InputError(
             f"{path} cannot be read ({error}).", remedy="Give the path of a readable JSON file."
         ) from error
+    return parse_record(content, str(path))
+
+
+def parse_record(content: bytes, source: str) -> dict[str, Any]:
+    """Read a JSON object from a file's content.
+
+    Parameters
+    ----------
+    content
+        UTF-8 text.
+    source
+        How errors name it.
+
+    Raises
+    ------
+    InputError
+        If it is not JSON, holds NaN or infinity, or does not hold an object.
+    """
+    try:
+        record = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant)
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{source} cannot be read ({error}).", remedy="Give the path of a readable JSON file."
+        ) from error
     except (ValueError, RecursionError) as error:
         raise InputError(
-            f"{path} is not valid JSON ({error}).", remedy="Correct it at the place named."
+            f"{source} is not valid JSON ({error}).", remedy="Correct it at the place named."
         ) from error
     if not isinstance(record, dict):
         raise InputError(
-            f"{path} holds {type(record).__name__}, not a JSON object.",
+            f"{source} holds {type(record).__name__}, not a JSON object.",
             remedy="Give a file that Surmount wrote.",
         )
     return cast(dict[str, Any], record)
 
 
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a number in JSON")
+
+
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that a reader sees the old content or the new one, never a part."""
+    """Write a file so that a reader sees the old content or the new one, never a part.
+
+    The name of the temporary file cannot be guessed, and nothing may have it: a link planted under
+    that name is not followed.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
-        with temporary.open("wb") as file:
+        with temporary.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+    synchronise(path.parent)
+
+
+def synchronise(path: Path) -> None:
+    """Let a file's content, or a folder's names, outlast a loss of power."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

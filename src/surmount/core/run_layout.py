@@ -23,6 +23,8 @@ TIMINGS = "timings.json"
 FILM_FOLDER = "films"
 FILMS = "films/films.json"
 """What the films show, with their hashes."""
+RESTARTS = "restarts.json"
+"""How often each stage lost its worker and was run again, over all calls; absent if none was."""
 
 ARMS = ("curriculum", "control")
 """The two ways of going on from an initial network."""

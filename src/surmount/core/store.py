@@ -15,7 +15,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import fcntl
-import os
+import secrets
 import shutil
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass
@@ -23,7 +23,13 @@ from pathlib import Path
 from typing import Any
 
 from surmount.core.errors import IntegrityError, OutputError
-from surmount.core.records import file_hash, read_record, record_hash, write_record
+from surmount.core.records import (
+    file_hash,
+    read_record,
+    record_hash,
+    synchronise,
+    write_record,
+)
 
 MANIFEST = "manifest.json"
 SCHEMA = 1
@@ -92,7 +98,7 @@ class ArtefactStore:
             return None
         manifest = read_record(folder / MANIFEST) if (folder / MANIFEST).is_file() else {}
         files = manifest.get("files")
-        if manifest.get("key") != key or manifest.get("stage") != stage or not _is_index(files):
+        if manifest.get("key") != key or manifest.get("stage") != stage or not is_index(files):
             raise IntegrityError(
                 f"{folder / MANIFEST} does not belong to stage `{stage}`.",
                 remedy=f"Delete {folder} and run again: only this stage is repeated.",
@@ -100,17 +106,38 @@ class ArtefactStore:
         return Artefact(stage=stage, key=key, folder=folder, files=dict(manifest["files"]))
 
     def workspace(self, stage: str, key: str) -> Path:
-        """Return an empty folder to write a stage's files to before :meth:`commit`."""
+        """Return an empty folder to write a stage's files to before :meth:`commit`.
+
+        Its name is used once: two workers at the same stage, of which one is given up for lost,
+        never write to the same files.
+        """
         folder = self._stage_folder(stage, key)
-        workspace = folder.with_name(f".{folder.name}.{os.getpid()}.tmp")
-        shutil.rmtree(workspace, ignore_errors=True)
+        workspace = folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.tmp")
         workspace.mkdir(parents=True)
         return workspace
 
     def commit(
-        self, workspace: Path, stage: str, key: str, *, inputs: Mapping[str, str]
+        self,
+        workspace: Path,
+        stage: str,
+        key: str,
+        *,
+        inputs: Mapping[str, str],
+        made_with: Mapping[str, str] | None = None,
     ) -> Artefact:
-        """Publish a workspace as the finished stage, and drop the stage's checkpoint."""
+        """Publish a workspace as the finished stage, and drop the stage's checkpoint.
+
+        Parameters
+        ----------
+        workspace
+            From :meth:`workspace`, with the files of the stage.
+        stage, key
+            Which stage it is.
+        inputs
+            Content hashes of the stages it was made from.
+        made_with
+            Versions and kind of machine; no part of the content hash.
+        """
         files = {
             path.relative_to(workspace).as_posix(): file_hash(path)
             for path in sorted(workspace.rglob("*"))
@@ -122,15 +149,37 @@ class ArtefactStore:
             "key": key,
             "inputs": dict(inputs),
             "files": files,
+            "made_with": dict(made_with or {}),
         }
+        artefact = self.publish(workspace, manifest)
+        self.drop_checkpoint(stage, key)
+        return artefact
+
+    def publish(self, workspace: Path, manifest: Mapping[str, Any]) -> Artefact:
+        """Give a workspace its manifest and its name, by one rename.
+
+        Where another run finished the stage meanwhile, its files are kept: the key says that they
+        are the same.
+        """
+        stage, key = str(manifest["stage"]), str(manifest["key"])
         write_record(workspace / MANIFEST, manifest)
+        for path in workspace.rglob("*"):
+            synchronise(path)
         folder = self._stage_folder(stage, key)
-        if folder.exists():  # another run finished it meanwhile: the key says it is the same
-            shutil.rmtree(workspace)
-        else:
+        try:
             workspace.rename(folder)
+        except OSError as error:
+            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                raise
+            shutil.rmtree(workspace)
+        synchronise(folder.parent)
+        for left in folder.parent.glob(f".{folder.name}.*.tmp"):  # by workers that were killed
+            shutil.rmtree(left, ignore_errors=True)
+        return Artefact(stage=stage, key=key, folder=folder, files=dict(manifest["files"]))
+
+    def drop_checkpoint(self, stage: str, key: str) -> None:
+        """Remove the checkpoint of a stage that is finished."""
         shutil.rmtree(self.checkpoint_folder(stage, key), ignore_errors=True)
-        return Artefact(stage=stage, key=key, folder=folder, files=files)
 
     def checkpoint_folder(self, stage: str, key: str) -> Path:
         """Return the folder for checkpoints of an unfinished stage."""
@@ -140,11 +189,21 @@ class ArtefactStore:
         return self.root / "stages" / stage / key[:KEY_LENGTH]
 
 
-def _is_index(files: Any) -> bool:
+def is_index(files: Any) -> bool:
+    """Whether this maps names of files, all inside their folder, to hashes."""
     return isinstance(files, dict) and all(
-        isinstance(name, str) and isinstance(digest, str) and ".." not in Path(name).parts
+        isinstance(name, str) and isinstance(digest, str) and _is_inside(name) and _is_hash(digest)
         for name, digest in files.items()
     )
+
+
+def _is_inside(name: str) -> bool:
+    parts = name.split("/")
+    return not set(parts) & {"", ".", ".."} and "\\" not in name and "\0" not in name
+
+
+def _is_hash(digest: str) -> bool:
+    return len(digest) == 64 and set(digest) <= set("0123456789abcdef")
 
 
 @contextlib.contextmanager

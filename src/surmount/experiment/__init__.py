@@ -1,7 +1,11 @@
 """The protocol as a resumable graph of stages."""
 
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.executors import Executor, InProcessExecutor, ProcessExecutor, StageEvent
+from surmount.experiment.depot import Depot
+from surmount.experiment.executor import Executor, StageEvent, StageResult, WorkerLostError
+from surmount.experiment.graph import Resources
+from surmount.experiment.in_process import InProcessExecutor
+from surmount.experiment.local_processes import ProcessExecutor
 from surmount.experiment.presets import SCALES, preset
 from surmount.experiment.protocol import protocol
 from surmount.experiment.reproduce import begin, load_config, make_executor, run
@@ -9,14 +13,18 @@ from surmount.experiment.runner import GraphRunner, RunObserver, RunOutcome
 
 __all__ = [
     "SCALES",
+    "Depot",
     "Executor",
     "ExperimentConfig",
     "GraphRunner",
     "InProcessExecutor",
     "ProcessExecutor",
+    "Resources",
     "RunObserver",
     "RunOutcome",
     "StageEvent",
+    "StageResult",
+    "WorkerLostError",
     "begin",
     "load_config",
     "make_executor",

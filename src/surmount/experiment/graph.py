@@ -54,6 +54,22 @@ class StageContext:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Resources:
+    """What a stage takes of a machine. They decide where it runs, and nothing about its result.
+
+    Attributes
+    ----------
+    cpus
+        Cores; every stage computes with one thread.
+    memory_mb
+        Most memory that it takes, in MB of 10⁶ bytes.
+    """
+
+    cpus: float = 1.0
+    memory_mb: int = 1000
+
+
+@dataclass(frozen=True, kw_only=True)
 class Stage:
     """One node of the graph.
 
@@ -71,6 +87,8 @@ class Stage:
         Its seed.
     inputs
         Names of the stages it takes, by role.
+    resources
+        What it takes of a machine; not part of its key.
     """
 
     name: str
@@ -79,6 +97,7 @@ class Stage:
     config: Mapping[str, Any] = field(default_factory=dict[str, Any])
     seed: int = 0
     inputs: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
+    resources: Resources = field(default_factory=Resources)
 
     def key(self, finished: Mapping[str, Artefact]) -> str:
         """Return the hash of everything the stage depends on."""

@@ -5,7 +5,11 @@ from __future__ import annotations
 import os
 import platform
 import sys
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+
+import torch
+from threadpoolctl import threadpool_info
 
 PACKAGES = (
     "surmount",
@@ -33,11 +37,40 @@ def versions() -> dict[str, str]:
 
 def machine() -> dict[str, str]:
     """Return the kind of machine; no name, address or path."""
+    return {**kind(), "cores": str(os.cpu_count())}
+
+
+@cache
+def kind() -> dict[str, str]:
+    """Return what rounding depends on: processor, and the code that libraries choose for it."""
     return {
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
-        "cores": str(os.cpu_count()),
+        "C library": " ".join(platform.libc_ver()).strip() or "unknown",
+        "kernels of PyTorch": torch.backends.cpu.get_cpu_capability(),
+        "kernels of BLAS": ", ".join(_blas()) or "unknown",
     }
+
+
+@cache
+def made_with() -> dict[str, str]:
+    """Return versions and kind of machine: equal for results that may be compared by their bytes.
+
+    Written into the manifest of every stage, because the stages of a run may be made on several
+    machines.
+    """
+    return versions() | kind()
+
+
+def _blas() -> list[str]:
+    found = [pool for pool in threadpool_info() if pool.get("user_api") == "blas"]
+    return sorted(
+        {
+            f"{pool.get('internal_api')} {pool.get('version')} "
+            f"{pool.get('architecture', '')}".strip()
+            for pool in found
+        }
+    )
 
 
 def _processor() -> str:

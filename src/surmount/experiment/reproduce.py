@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
-from surmount.core.configuration import differences, from_record, to_record
-from surmount.core.errors import ConfigError, InputError, OutputError
+from surmount.core.configuration import differences, from_record, nearest, to_record
+from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record, write_record
-from surmount.core.run_layout import INDEX, RUN, SCHEMA, TIMINGS
-from surmount.core.store import Artefact, output_errors
+from surmount.core.run_layout import RUN, SCHEMA
+from surmount.core.store import output_errors
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.executors import Executor, InProcessExecutor, Listener, ProcessExecutor
+from surmount.experiment.depot import Depot
+from surmount.experiment.executor import Executor, Listener
+from surmount.experiment.in_process import InProcessExecutor
+from surmount.experiment.journal import Journal
+from surmount.experiment.local_processes import ProcessExecutor
 from surmount.experiment.protocol import protocol
 from surmount.experiment.provenance import machine, versions
-from surmount.experiment.runner import GraphRunner, RunObserver, RunOutcome
+from surmount.experiment.runner import RETRIES, GraphRunner, RunObserver, RunOutcome
 
 
 def load_config(root: Path) -> ExperimentConfig:
@@ -60,13 +65,59 @@ def begin(root: Path, config: ExperimentConfig) -> None:
             write_record(root / RUN, record)
 
 
-def make_executor(processes: int, listener: Listener) -> Executor:
-    """Return the executor for so many processes; 0 runs everything in this one."""
-    if processes < 0:
+EXECUTORS = ("in-process", "processes", "ray")
+"""Where stages can run."""
+
+
+def make_executor(
+    processes: int | None,
+    listener: Listener,
+    *,
+    kind: str = "processes",
+    address: str | None = None,
+) -> Executor:
+    """Return an executor.
+
+    Parameters
+    ----------
+    processes
+        Local worker processes; one per core if ``None``; 0 runs everything in this process.
+    listener
+        Told what stages tell.
+    kind
+        One of :data:`EXECUTORS`.
+    address
+        Of the head of a Ray cluster; Ray is started on this machine if ``None``.
+
+    Raises
+    ------
+    ConfigError
+        If options do not fit.
+    MissingExtraError
+        If Ray is asked for and not installed.
+    """
+    if kind not in EXECUTORS:
+        raise ConfigError(f"Unknown executor `{kind}`.", remedy=nearest(kind, [*EXECUTORS]))
+    if address is not None and kind != "ray":
+        raise ConfigError(
+            "`--address` is for Ray.", remedy="Add `--executor ray`, or leave it out."
+        )
+    if processes is not None and processes < 0:
         raise ConfigError(f"`--processes` is {processes}.", remedy="Give 0 or more.")
-    if processes == 0:
+    if kind == "ray":
+        from surmount.experiment.ray_cluster import RayExecutor  # noqa: PLC0415 - an extra
+
+        return RayExecutor(listener, address=address, processes=processes)
+    if kind == "in-process" or processes == 0:
         return InProcessExecutor(listener)
-    return ProcessExecutor(processes, listener)
+    return ProcessExecutor(cores() if processes is None else processes, listener)
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def run(
@@ -76,6 +127,8 @@ def run(
     observer: RunObserver,
     *,
     on_ready: Callable[[GraphRunner], None] = lambda _: None,
+    url: str | None = None,
+    retries: int = RETRIES,
 ) -> RunOutcome:
     """Run what is missing of an experiment, and keep an index of its artefacts.
 
@@ -89,48 +142,22 @@ def run(
         Where stages run, and who watches.
     on_ready
         Called with the runner before it starts, to let signals stop it.
+    url
+        An object store that has the same stages as the folder, for workers that do not see it.
+    retries
+        How often a stage is run again after its worker was lost.
     """
-    runner = GraphRunner(root, protocol(config), executor, _Journal(root, observer))
+    runner = GraphRunner(
+        root,
+        protocol(config),
+        executor,
+        Journal(root, observer),
+        depot=Depot(root=root, url=url),
+        retries=retries,
+    )
     on_ready(runner)
     with output_errors(root):
         return runner.run()
-
-
-class _Journal:
-    """Writes down where each stage's files are and how long it took, as soon as it ends."""
-
-    def __init__(self, root: Path, observer: RunObserver) -> None:
-        self._root = root
-        self._observer = observer
-        self._stages: dict[str, str] = {}
-        self._seconds = _numbers(root / TIMINGS)
-
-    def stage_reused(self, artefact: Artefact) -> None:
-        self._index(artefact)
-        self._observer.stage_reused(artefact)
-
-    def stage_started(self, stage: str) -> None:
-        self._observer.stage_started(stage)
-
-    def stage_finished(self, artefact: Artefact, seconds: float) -> None:
-        self._seconds[artefact.stage] = round(seconds, 3)
-        write_record(self._root / TIMINGS, self._seconds)
-        self._index(artefact)
-        self._observer.stage_finished(artefact, seconds)
-
-    def _index(self, artefact: Artefact) -> None:
-        self._stages[artefact.stage] = artefact.folder.relative_to(self._root).as_posix()
-        stages = dict(sorted(self._stages.items()))
-        write_record(self._root / INDEX, {"schema": SCHEMA, "stages": stages})
-
-
-def _numbers(path: Path) -> dict[str, float]:
-    """Return the timings of earlier calls; a damaged file loses these and nothing else."""
-    try:
-        record = read_record(path)
-    except InputError:
-        return {}
-    return {name: value for name, value in record.items() if isinstance(value, float)}
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import time
+from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from surmount.core.errors import SurmountError
 from surmount.core.monitor import Interrupted
-from surmount.core.store import Artefact, ArtefactStore
-from surmount.experiment.executors import BrokenExecutor, Executor
+from surmount.core.store import Artefact
+from surmount.experiment.depot import Depot
+from surmount.experiment.executor import Executor, StageResult, WorkerLostError
 from surmount.experiment.graph import Stage, check_graph, dependencies
 from surmount.experiment.task import StageTask
 
 POLL_S = 0.1
+RETRIES = 2
+"""How often a stage is run again in the same call after its worker was lost."""
 
 
 class RunObserver(Protocol):
@@ -32,6 +34,10 @@ class RunObserver(Protocol):
 
     def stage_finished(self, artefact: Artefact, seconds: float) -> None:
         """Take note that a stage was finished now."""
+        ...
+
+    def stage_lost(self, stage: str, *, again: bool) -> None:
+        """Take note that a stage's worker was lost, and whether the stage is run again."""
         ...
 
 
@@ -64,18 +70,30 @@ class GraphRunner:
         Where stages run.
     observer
         Watches.
+    depot
+        Where finished stages are looked for and kept; the output folder alone if not given.
+    retries
+        How often a stage is run again after its worker was lost.
     """
 
     def __init__(
-        self, root: Path, stages: Iterable[Stage], executor: Executor, observer: RunObserver
+        self,
+        root: Path,
+        stages: Iterable[Stage],
+        executor: Executor,
+        observer: RunObserver,
+        *,
+        depot: Depot | None = None,
+        retries: int = RETRIES,
     ) -> None:
-        self._root = root
-        self._store = ArtefactStore(root)
+        self._depot = depot or Depot(root=root)
+        self._retries = retries
+        self._lost: Counter[str] = Counter()
         self._waiting = check_graph(stages)
         self._executor = executor
         self._observer = observer
         self._finished: dict[str, Artefact] = {}
-        self._running: dict[str, tuple[Future[Artefact], float]] = {}
+        self._running: dict[str, tuple[Stage, Future[StageResult]]] = {}
         self._stopping = False
         self._interrupted = False
 
@@ -116,7 +134,7 @@ class GraphRunner:
             if not dependencies(stage) <= self._finished.keys():
                 continue
             key = stage.key(self._finished)
-            found = self._store.find(name, key)
+            found = self._depot.find(name, key)
             if found is not None:
                 del self._waiting[name]
                 self._finished[name] = found
@@ -124,17 +142,17 @@ class GraphRunner:
             elif len(self._running) < self._executor.slots and not self._stopping:
                 del self._waiting[name]
                 self._observer.stage_started(name)
-                began = time.monotonic()
-                self._running[name] = (self._executor.submit(self._task(stage, key)), began)
+                self._running[name] = (stage, self._executor.submit(self._task(stage, key)))
 
     def _task(self, stage: Stage, key: str) -> StageTask:
         return StageTask(
-            root=self._root,
+            depot=self._depot,
             name=stage.name,
             key=key,
             function=stage.function,
             config=stage.config,
             seed=stage.seed,
+            resources=stage.resources,
             inputs={
                 role: tuple(self._finished[name] for name in names)
                 for role, names in stage.inputs.items()
@@ -144,26 +162,32 @@ class GraphRunner:
     def _take_finished(self) -> Exception | None:
         """Take the stages that have ended, and return the first failure among them."""
         failure: Exception | None = None
-        for name, (future, began) in list(self._running.items()):
+        for name, (stage, future) in list(self._running.items()):
             if not future.done():
                 continue
             del self._running[name]
             error = future.exception()
             if error is None:
-                self._finished[name] = future.result()
-                self._observer.stage_finished(future.result(), time.monotonic() - began)
+                self._finish(future.result())
             elif isinstance(error, Interrupted):
                 self._interrupted = True
                 self._stopping = True
-            elif isinstance(error, BrokenExecutor):
-                failure = failure or SurmountError(
-                    f"A worker process was killed while stages were running, among them `{name}`.",
-                    remedy="Run the same command again: it goes on from the last checkpoint. If "
-                    "memory ran out, use fewer processes.",
-                )
+            elif isinstance(error, WorkerLostError):
+                self._lost[name] += 1
+                again = self._stopping or self._lost[name] <= self._retries
+                self._observer.stage_lost(name, again=again)
+                if again:
+                    self._waiting[name] = stage  # goes on from its last checkpoint
+                else:
+                    failure = failure or error
             else:
                 failure = failure or _as_exception(error)
         return failure
+
+    def _finish(self, result: StageResult) -> None:
+        artefact = self._depot.bring(result.artefact)
+        self._finished[artefact.stage] = artefact
+        self._observer.stage_finished(artefact, result.seconds)
 
 
 def _as_exception(error: BaseException) -> Exception:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
-from surmount.core.monitor import Monitor
-from surmount.core.store import Artefact, ArtefactStore, output_errors
-from surmount.experiment.graph import StageContext, StageFunction
+from surmount.core.monitor import Interrupted, Monitor
+from surmount.core.store import Artefact, output_errors
+from surmount.experiment.depot import Depot
+from surmount.experiment.graph import Resources, StageContext, StageFunction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,21 +19,26 @@ class StageTask:
 
     Attributes
     ----------
-    root
-        The output folder, on a path that every worker sees.
-    name, key, function, config, seed
+    depot
+        Where its inputs are and its files go.
+    name, key, function, config, seed, resources
         As in :class:`surmount.experiment.graph.Stage`.
     inputs
         Artefacts by role.
     """
 
-    root: Path
+    depot: Depot
     name: str
     key: str
     function: StageFunction
     config: Mapping[str, Any]
     seed: int
+    resources: Resources
     inputs: Mapping[str, tuple[Artefact, ...]]
+
+    def at(self, depot: Depot) -> StageTask:
+        """Return the same task with its files in another place."""
+        return replace(self, depot=depot)
 
 
 def execute(task: StageTask, monitor: Monitor) -> Artefact:
@@ -45,26 +51,36 @@ def execute(task: StageTask, monitor: Monitor) -> Artefact:
     SurmountError
         Whatever the stage found wrong, and an output folder that cannot be written.
     """
-    store = ArtefactStore(task.root)
-    with output_errors(task.root):
-        workspace = store.workspace(task.name, task.key)
-        checkpoint = store.checkpoint_folder(task.name, task.key)
-        checkpoint.mkdir(parents=True, exist_ok=True)
-        task.function(
-            StageContext(
-                name=task.name,
-                config=task.config,
-                seed=task.seed,
-                inputs=task.inputs,
-                output=workspace,
-                checkpoint=checkpoint,
-                logs=task.root / "logs" / task.name,
-                monitor=monitor,
-            )
-        )
+    depot = task.depot
+    with output_errors(depot.root):
+        workspace = depot.store.workspace(task.name, task.key)
+        checkpoints = depot.checkpoints(task.name, task.key)
+        watched = checkpoints.watched(monitor)
         inputs = {
+            role: tuple(depot.bring(artefact) for artefact in artefacts)
+            for role, artefacts in task.inputs.items()
+        }
+        try:
+            task.function(
+                StageContext(
+                    name=task.name,
+                    config=task.config,
+                    seed=task.seed,
+                    inputs=inputs,
+                    output=workspace,
+                    checkpoint=checkpoints.folder,
+                    logs=depot.root / "logs" / task.name,
+                    monitor=watched,
+                )
+            )
+        except BaseException as error:
+            shutil.rmtree(workspace, ignore_errors=True)
+            if isinstance(error, Interrupted):
+                checkpoints.save()
+            raise
+        hashes = {
             artefact.stage: artefact.content_hash
-            for artefacts in task.inputs.values()
+            for artefacts in inputs.values()
             for artefact in artefacts
         }
-        return store.commit(workspace, task.name, task.key, inputs=inputs)
+        return depot.commit(workspace, task.name, task.key, inputs=hashes)
