@@ -25,7 +25,7 @@ def initiations(
     settings: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")],
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
-    processes: int = 2,
+    processes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
 ) -> int:
     """Train initial networks under many settings and compare their success with table 1.
 
@@ -35,7 +35,7 @@ def initiations(
     Args:
         settings: TOML file with a table [common] and one [settings.NAME] per setting.
         out: Folder for networks, trials and the map.
-        processes: Worker processes of one thread each; 0 runs everything in this process.
+        processes: Worker processes of one thread each; one per core if left out; 0 is in-process.
     """
     chosen = read_settings(settings)
     graph = initiation_stages(chosen)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -28,8 +28,10 @@ from surmount.experiment import (
     load_config,
     make_executor,
     preset,
+    refuse_other,
     run,
 )
+from surmount.experiment.runner import RETRIES
 from surmount.report import write_report
 
 
@@ -46,7 +48,11 @@ def reproduce(
     resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
-    processes: int = 2,
+    executor: Annotated[str, tyro.conf.arg(metavar="{in-process,processes,ray}")] = "processes",
+    processes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
+    address: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None,
+    store: Annotated[str | None, tyro.conf.arg(metavar="URL")] = None,
+    retries: Annotated[int, tyro.conf.arg(metavar="N")] = RETRIES,
 ) -> int:
     """Run the paper's protocol on one obstacle, from the first learning step to the report.
 
@@ -61,22 +67,33 @@ def reproduce(
         resume: Go on with the run in --out, with its stored configuration.
         config: TOML or JSON file of configuration keys to change; see `surmount config`.
         set: Configuration key to change, as key=value; may be repeated; overrides the file.
-        processes: Worker processes of one thread each; 0 runs everything in this process.
+        executor: Where stages run: in this process, in local worker processes, or on Ray.
+        processes: Worker processes of one thread each; one per core if left out; 0 is in-process.
+        address: Head of a running Ray cluster; without it, Ray is started on this machine.
+        store: Object store (any fsspec URL) that keeps the same stages as --out, for workers that
+            do not see that folder, and to go on elsewhere.
+        retries: How often a stage is run again, from its checkpoint, after its worker was killed.
     """
     changes = overrides(config, set)
     if seeds is not None:
         changes["networks"] = seeds
     chosen = _stored(out, obstacle) if resume else _preset(obstacle, preset)
     chosen = override(chosen, changes)
-    begin(out, chosen)
+    if retries < 0:
+        raise ConfigError(f"`--retries` is {retries}.", remedy="Give 0 or more.")
+    refuse_other(out, chosen)
     console = Console()
-    with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
-        executor = make_executor(processes, display.listen)
-        try:
-            with stop_on_signals(display.note) as on_ready:
-                outcome = run(out, chosen, executor, display, on_ready=on_ready)
-        finally:
-            executor.close()
+    with sole_user(out):
+        begin(out, chosen)
+        with RunDisplay(console, out / "logs" / "run.log") as display:
+            where = make_executor(processes, display.listen, kind=executor, address=address)
+            try:
+                with stop_on_signals(display.note) as on_ready:
+                    outcome = run(
+                        out, chosen, where, display, on_ready=on_ready, url=store, retries=retries
+                    )
+            finally:
+                where.close()
     if outcome.interrupted:
         console.print(f"Stopped. Go on with: surmount reproduce --resume --out {out}")
         return INTERRUPTED
@@ -105,13 +122,18 @@ def _stored(out: Path, obstacle: str | None) -> ExperimentConfig:
     return stored
 
 
+STOPPING = b"surmount: stopping at the next checkpoint; Ctrl-C again ends at once\n"
+
+
 @contextmanager
 def stop_on_signals(
     note: Callable[[str], None],
 ) -> Generator[Callable[[GraphRunner], None]]:
     """Let the first Ctrl-C (or SIGTERM) save and stop a runner, and the second end at once.
 
-    Yields what is to be called with the runner; afterwards signals do what they did before.
+    Yields what is to be called with the runner; afterwards signals do what they did before, and
+    that the run was asked to stop is noted. A signal may arrive within any call, also one that
+    writes to the display or to the log: its handler uses neither.
     """
     runners: list[GraphRunner] = []
     asked = False
@@ -121,7 +143,8 @@ def stop_on_signals(
         if asked:
             os._exit(INTERRUPTED)  # workers see that their parent has gone, and end too
         asked = True
-        note("stopping at the next checkpoint; Ctrl-C again ends at once")
+        with suppress(OSError):
+            os.write(2, STOPPING)
         for runner in runners:
             runner.stop()
 
@@ -132,3 +155,5 @@ def stop_on_signals(
     finally:
         for number, previous in zip(signals, before, strict=True):
             signal.signal(number, previous)
+        if asked:
+            note("was asked to stop")

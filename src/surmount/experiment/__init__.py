@@ -8,7 +8,13 @@ from surmount.experiment.in_process import InProcessExecutor
 from surmount.experiment.local_processes import ProcessExecutor
 from surmount.experiment.presets import SCALES, preset
 from surmount.experiment.protocol import protocol
-from surmount.experiment.reproduce import begin, load_config, make_executor, run
+from surmount.experiment.reproduce import (
+    begin,
+    load_config,
+    make_executor,
+    refuse_other,
+    run,
+)
 from surmount.experiment.runner import GraphRunner, RunObserver, RunOutcome
 
 __all__ = [
@@ -30,5 +36,6 @@ __all__ = [
     "make_executor",
     "preset",
     "protocol",
+    "refuse_other",
     "run",
 ]

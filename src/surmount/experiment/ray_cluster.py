@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import os
+import pickle
 import sys
 import tempfile
 import threading
@@ -66,6 +68,8 @@ class RayExecutor:
         self._stopping = False
         self._told = False
         self._running: dict[Future[Any], Any] = {}
+        os.environ.setdefault("RAY_worker_niceness", "0")  # for a Ray started here; 15 otherwise
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nothing is sent anywhere
         try:
             ray.init(
                 address=address or "local",
@@ -123,8 +127,9 @@ class RayExecutor:
             wait(running, timeout=seconds, return_when=FIRST_COMPLETED)
         self._running = {f: reference for f, reference in self._running.items() if not f.done()}
         with contextlib.suppress(RayError):  # the mailbox begins anew where its node was lost
-            for event in ray.get(self._mailbox.take.remote(), timeout=CLOSE_S):
-                self._listener(event)
+            for letter in ray.get(self._mailbox.take.remote(), timeout=CLOSE_S):
+                for event in pickle.loads(letter):  # noqa: S301 - of our own workers
+                    self._listener(event)
 
     def stop(self) -> None:
         """Let running stages stop at their next opportunity."""
@@ -139,27 +144,31 @@ class RayExecutor:
         ray.shutdown()
 
 
-class _Mailbox:
-    """Keeps what workers tell until it is fetched, and whether they should stop."""
-
-    def __init__(self) -> None:
-        self._events: list[StageEvent] = []
-        self._stopped = False
-
-    def exchange(self, events: list[StageEvent]) -> bool:
-        self._events += events
-        return self._stopped
-
-    def take(self) -> list[StageEvent]:
-        events, self._events = self._events, []
-        return events
-
-    def stop(self) -> None:
-        self._stopped = True
-
-
 def _mailbox_class() -> Any:
-    return cast("Any", ray.remote(_Mailbox)).options(
+    """Return the actor that keeps what workers tell until it is fetched.
+
+    It is defined here and handles packed events, so that its process need not import the
+    laboratory: it is ready in a second.
+    """
+
+    class Mailbox:
+        def __init__(self) -> None:
+            self._letters: list[bytes] = []
+            self._stopped = False
+
+        def exchange(self, letter: bytes | None) -> bool:
+            if letter is not None:
+                self._letters.append(letter)
+            return self._stopped
+
+        def take(self) -> list[bytes]:
+            letters, self._letters = self._letters, []
+            return letters
+
+        def stop(self) -> None:
+            self._stopped = True
+
+    return cast("Any", ray.remote(Mailbox)).options(
         num_cpus=0, max_restarts=-1, max_task_retries=-1
     )
 
@@ -196,8 +205,9 @@ class _Post:
     def _deliver(self) -> None:
         with self._lock:
             events, self._events = self._events, []
+        letter = pickle.dumps(events) if events else None
         with contextlib.suppress(RayError):  # what was told is lost, the work is not
-            if ray.get(self._mailbox.exchange.remote(events)):
+            if ray.get(self._mailbox.exchange.remote(letter)):
                 self._stopped.set()
 
 

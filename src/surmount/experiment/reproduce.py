@@ -46,16 +46,9 @@ def begin(root: Path, config: ExperimentConfig) -> None:
     OutputError
         If the folder holds an experiment with another configuration, or other files.
     """
+    refuse_other(root, config)
     with output_errors(root):
-        root.mkdir(parents=True, exist_ok=True)
-        if (root / RUN).exists():
-            _require_same(root, config)
-        elif any(not path.name.startswith(".") for path in root.iterdir()):
-            raise OutputError(
-                f"{root} holds files that are not of an experiment.",
-                remedy="Choose an --out folder that is empty or does not exist.",
-            )
-        else:
+        if not (root / RUN).exists():
             record = {
                 "schema": SCHEMA,
                 "config": to_record(config),
@@ -63,6 +56,24 @@ def begin(root: Path, config: ExperimentConfig) -> None:
                 "machine": machine(),
             }
             write_record(root / RUN, record)
+
+
+def refuse_other(root: Path, config: ExperimentConfig) -> None:
+    """Refuse a folder of something else, before anything is written to it.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds an experiment with another configuration, or other files.
+    """
+    with output_errors(root):
+        if (root / RUN).exists():
+            _require_same(root, config)
+        elif root.exists() and any(not path.name.startswith(".") for path in root.iterdir()):
+            raise OutputError(
+                f"{root} holds files that are not of an experiment.",
+                remedy="Choose an --out folder that is empty or does not exist.",
+            )
 
 
 EXECUTORS = ("in-process", "processes", "ray")

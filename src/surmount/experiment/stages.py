@@ -166,4 +166,6 @@ def _write_training(context: StageContext, training: Training) -> None:
         "diverged_episodes": int(history.episodes.diverged.sum()),
         "level_tests": [asdict(test) for test in training.tests],
     }
+    if training.faults.occurred:
+        record["faults"] = training.faults.to_record()
     write_record(context.output / TRAINING, record)

@@ -17,6 +17,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from surmount.learn.collection import Collection
 from surmount.learn.config import LearnerConfig
+from surmount.learn.faults import is_sound_update
 from surmount.learn.perceptron import ACTIVATIONS, ActorCritic
 from surmount.learn.update import Batch, Loss, ppo_loss
 
@@ -35,7 +36,17 @@ class ResumablePPO(PPO):
     numbers, and agree with them to rounding. They leave out what costs time at nine rows: a tree
     of modules and distribution objects for every decision. What they do not know (policies other
     than :class:`ActorCritic`'s, early stopping, clipped values) goes Stable-Baselines3's own way.
+
+    Attributes
+    ----------
+    skipped_updates
+        Updates of the newest roll-out that were left out because they were not sound.
+    all_skipped
+        Whether none of its updates was made.
     """
+
+    skipped_updates: int = 0
+    all_skipped: bool = False
 
     @classmethod
     def build(cls, env: VecNormalize, config: LearnerConfig, seed: int) -> ResumablePPO:
@@ -125,6 +136,7 @@ class ResumablePPO(PPO):
         parameters = list(self.policy.parameters())
         whole = Batch.whole(self.rollout_buffer)
         losses: list[Loss] = []
+        self.skipped_updates = 0
         for _ in range(self.n_epochs):
             for batch in whole.shuffled(self.batch_size):
                 loss = ppo_loss(
@@ -136,10 +148,14 @@ class ResumablePPO(PPO):
                 )
                 self.policy.optimizer.zero_grad()
                 loss.total.backward()
-                torch.nn.utils.clip_grad_norm_(parameters, self.max_grad_norm)
-                self.policy.optimizer.step()
+                norm = torch.nn.utils.clip_grad_norm_(parameters, self.max_grad_norm)
                 losses.append(loss)
+                if is_sound_update(loss.total, norm):
+                    self.policy.optimizer.step()
+                else:
+                    self.skipped_updates += 1
             self._n_updates += 1
+        self.all_skipped = self.skipped_updates == len(losses)
         self._log_update(losses, clip_range)
 
     def _log_update(self, losses: Sequence[Loss], clip_range: float) -> None:

@@ -6,7 +6,7 @@ metadata hold a JSON record with the architecture, so that a snapshot can be use
 
 from __future__ import annotations
 
-import json
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,8 +20,8 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
 
-from surmount.core.errors import InputError
-from surmount.core.records import canonical_json, write_atomically
+from surmount.core.errors import InputError, IntegrityError, SurmountError
+from surmount.core.records import canonical_json, parse_record, write_atomically
 
 Tensors = dict[str, np.ndarray]
 SCHEMA = 1
@@ -46,38 +46,70 @@ class Snapshot:
     tensors: Mapping[str, np.ndarray]
     record: Mapping[str, Any]
 
-    def save(self, path: Path) -> None:
-        """Write one file, atomically."""
+    def save(self, path: Path, *, sealed: bool = False) -> None:
+        """Write one file, atomically.
+
+        Parameters
+        ----------
+        path
+            The file.
+        sealed
+            Whether to add a hash over everything, for files that no manifest vouches for.
+        """
         tensors = {name: np.asarray(array, order="C") for name, array in self.tensors.items()}
         metadata = {"surmount": canonical_json({"schema": SCHEMA, **self.record})}
+        if sealed:
+            metadata["seal"] = _seal(tensors, metadata["surmount"])
         write_atomically(path, save(tensors, metadata))
 
     @classmethod
-    def load(cls, path: Path) -> Snapshot:
+    def load(cls, path: Path, *, sealed: bool = False) -> Snapshot:
         """Read a file written by :meth:`save`.
 
         Raises
         ------
         InputError
             If the file is missing, damaged, or was not written by Surmount.
+        IntegrityError
+            If it was to be sealed, and was changed after it was written.
         """
         try:
             with safe_open(path, framework="numpy") as file:
                 metadata = cast("dict[str, str]", file.metadata() or {})
                 tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            record = json.loads(metadata["surmount"])
-        except (OSError, SafetensorError, KeyError, ValueError) as error:
+            found = parse_record(metadata["surmount"].encode(), str(path))
+        except (OSError, SafetensorError, KeyError, ValueError, SurmountError) as error:
+            if sealed:
+                raise _damaged(path) from error
             raise InputError(
                 f"{path} is not a network written by Surmount ({error}).",
                 remedy="Give a `network.safetensors`; if it was damaged, delete its folder and "
                 "run again.",
             ) from error
-        if record.pop("schema", None) != SCHEMA:
+        if sealed and metadata.get("seal") != _seal(tensors, metadata["surmount"]):
+            raise _damaged(path)
+        if found.pop("schema", None) != SCHEMA:
             raise InputError(
                 f"{path} was written in another format version.",
                 remedy="Read it with the version of Surmount that wrote it.",
             )
-        return cls(tensors=tensors, record=record)
+        return cls(tensors=tensors, record=found)
+
+
+def _seal(tensors: Mapping[str, np.ndarray], record: str) -> str:
+    """Return the SHA-256 over a record and over names, shapes and contents of tensors."""
+    digest = hashlib.sha256(record.encode())
+    for name, array in sorted(tensors.items()):
+        digest.update(canonical_json([name, str(array.dtype), list(array.shape)]).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def _damaged(path: Path) -> IntegrityError:
+    return IntegrityError(
+        f"The checkpoint {path} was changed or damaged after it was written.",
+        remedy=f"Delete {path.parent} and run again: only this stage begins anew.",
+    )
 
 
 def acting_only(network: Snapshot) -> Snapshot:

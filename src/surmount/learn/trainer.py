@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 from stable_baselines3.common.logger import Logger, configure
 from stable_baselines3.common.utils import set_random_seed
 
-from surmount.core.errors import LearningError
+from surmount.core.errors import InputError, LearningError
 from surmount.core.monitor import Interrupted, Monitor, Progress
 from surmount.core.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.learn import snapshot
 from surmount.learn.config import LearnerConfig
+from surmount.learn.faults import MOST_IN_A_ROW, Faults, is_sound_policy
 from surmount.learn.history import History
 from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO
@@ -37,11 +37,14 @@ class Training:
         One row per roll-out and one per episode.
     tests
         Level tests made on the way.
+    faults
+        What went wrong with numbers and was stopped.
     """
 
     network: Snapshot
     history: History
     tests: tuple[LevelTest, ...]
+    faults: Faults
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,6 +109,12 @@ class Trainer:
         self._model.set_logger(_logger(log_folder))
         self._history = History(parameters=env.task_parameters)
         self._tests: list[LevelTest] = []
+        self._faults = Faults()
+        if not is_sound_policy(self._model.policy):
+            raise InputError(
+                "The network to begin from has weights that are not finite.",
+                remedy="Begin from another network, or train it anew.",
+            )
 
     def run(self, monitor: Monitor, checkpointing: Checkpointing | None = None) -> Training:
         """Train until the teacher is finished.
@@ -115,7 +124,8 @@ class Trainer:
         Interrupted
             If the monitor asked to stop; the checkpoint then holds everything done so far.
         LearningError
-            If the network's weights are no longer finite.
+            If updates keep failing, or the physics keeps diverging; the last checkpoint is from
+            before.
         """
         saved_at = self._resume(checkpointing, monitor)
         self._push_distribution()
@@ -123,8 +133,9 @@ class Trainer:
             if monitor.should_stop():
                 self._save(checkpointing)
                 raise Interrupted
-            self._learn_one_rollout()
+            self._learn_one_rollout(monitor, checkpointing)
             outcome = self._recorder.collect()
+            self._require_some_physics(outcome)
             test = self._teacher.update_on_rollout(outcome)
             self._history.add(outcome, label=self._teacher.status().label)
             self._report(monitor, outcome, test)
@@ -138,15 +149,48 @@ class Trainer:
             ),
             history=self._history,
             tests=tuple(self._tests),
+            faults=self._faults,
         )
 
-    def _learn_one_rollout(self) -> None:
-        self._model.learn(self._config.steps_per_rollout, reset_num_timesteps=False, log_interval=1)
-        if not all(torch.isfinite(weight).all() for weight in self._model.policy.parameters()):
+    def _learn_one_rollout(self, monitor: Monitor, checkpointing: Checkpointing | None) -> None:
+        """Collect and update; undo the update where it left nothing sound."""
+        faults, model = self._faults, self._model
+        before = snapshot.take(model, self._normaliser)
+        model.learn(self._config.steps_per_rollout, reset_num_timesteps=False, log_interval=1)
+        faults.skipped_updates += model.skipped_updates
+        if model.skipped_updates:
+            monitor.log(
+                f"{model.skipped_updates} update(s) left out at {self._recorder.steps:,} steps: "
+                "loss or gradient was not finite, or exploded"
+            )
+        if is_sound_policy(model.policy) and not model.all_skipped:
+            faults.undone_in_a_row = 0
+            return
+        snapshot.put(before, model, self._normaliser)
+        faults.undone_rollouts += 1
+        faults.undone_in_a_row += 1
+        monitor.log(f"the roll-out that ended at {self._recorder.steps:,} steps was undone")
+        if faults.undone_in_a_row >= MOST_IN_A_ROW:
+            saved = checkpointing is not None and checkpointing.path.exists()
+            where = f"is {checkpointing.path}" if saved and checkpointing else "was not kept"
             raise LearningError(
-                f"The network's weights are no longer finite after {self._recorder.steps:,} steps.",
-                remedy="Lower `learner.learning_rate` or `learner.max_gradient_norm`; the last "
-                "checkpoint is from before the failure.",
+                f"Learning was undone {MOST_IN_A_ROW} times in a row, last at "
+                f"{self._recorder.steps:,} steps: loss or weights were not finite, or exploded.",
+                remedy="Lower `learner.learning_rate` or `learner.max_gradient_norm`, or normalise "
+                f"rewards; the last good checkpoint {where}.",
+            )
+
+    def _require_some_physics(self, outcome: RolloutOutcome) -> None:
+        diverged = outcome.episodes.diverged
+        if not diverged.size or not diverged.all():
+            self._faults.diverged_in_a_row = 0
+            return
+        self._faults.diverged_in_a_row += 1
+        if self._faults.diverged_in_a_row >= MOST_IN_A_ROW:
+            raise LearningError(
+                f"Every episode of the last {MOST_IN_A_ROW} roll-outs ended because the physics "
+                f"diverged, last at {self._recorder.steps:,} steps.",
+                remedy="Shorten the physics' tick, `env.robot.physics_tick_s`.",
             )
 
     def _push_distribution(self) -> None:
@@ -194,22 +238,24 @@ class Trainer:
             "loop": self._model.loop_state() | {"returns": self._normaliser.returns},
             "teacher": self._teacher.state_dict(),
             "tests": [vars(test) for test in self._tests],
+            "faults": self._faults.state_dict(),
         }
         record = _split(state, "state", arrays)
         tensors = snapshot.take(self._model, self._normaliser) | arrays
-        Snapshot(tensors=tensors, record=record).save(checkpointing.path)
+        Snapshot(tensors=tensors, record=record).save(checkpointing.path, sealed=True)
 
     def _resume(self, checkpointing: Checkpointing | None, monitor: Monitor) -> int:
         """Go on from the checkpoint, if there is one, and return the steps done in it."""
         if checkpointing is None or not checkpointing.path.exists():
             return 0
-        saved = Snapshot.load(checkpointing.path)
+        saved = Snapshot.load(checkpointing.path, sealed=True)
         state = _join(saved.record, "state", saved.tensors)
         snapshot.put(saved.tensors, self._model, self._normaliser)
         self._recorder.load_state_dict(state["recorder"])
         self._history.load_state_dict(state["history"])
         self._teacher.load_state_dict(state["teacher"])
         self._tests = [LevelTest(**test) for test in state["tests"]]
+        self._faults = Faults(**state["faults"])
         self._normaliser.returns = state["loop"]["returns"]
         self._model.load_loop_state(state["loop"])
         monitor.log(f"went on from the checkpoint at {self._recorder.steps:,} steps")

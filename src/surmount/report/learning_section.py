@@ -39,6 +39,8 @@ def training_table(results: RunResults) -> Table:
             integer(training.total_steps),
             integer(training.episodes),
             integer(training.diverged_episodes),
+            integer(training.skipped_updates),
+            integer(training.undone_rollouts),
         )
         for kind in TRAININGS
         for network, training in results.trainings[kind].items()
@@ -57,12 +59,15 @@ def training_table(results: RunResults) -> Table:
             Column(heading="learning steps", numeric=True),
             Column(heading="episodes", numeric=True),
             Column(heading="diverged", numeric=True),
+            Column(heading="updates left out", numeric=True),
+            Column(heading="roll-outs undone", numeric=True),
         ),
         rows=tuple(sorted(rows, key=lambda row: int(row[0]))),
         notes=(
             (
                 f"Diverged: {counted(diverged, 'episode')} in all ended because the physics left "
-                "its limits."
+                "its limits. Left out: updates whose loss or gradient was not finite, or exploded. "
+                "Undone: roll-outs after which the networks were put back to where they were."
             ),
         ),
     )

@@ -46,6 +46,8 @@ class TrainingResult:
         Learning steps in all, episodes that ended, and those ended because the physics diverged.
     level_tests
         Every test of eq. 5, in order.
+    skipped_updates, undone_rollouts
+        Updates left out and roll-outs undone because numbers were not finite or exploded.
     """
 
     steps: IntArray
@@ -56,6 +58,8 @@ class TrainingResult:
     episodes: int
     diverged_episodes: int
     level_tests: tuple[LevelTest, ...]
+    skipped_updates: int = 0
+    undone_rollouts: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -192,6 +196,7 @@ def _training(artefact: Artefact) -> TrainingResult:
             level_tests=tuple(
                 LevelTest(**cast(dict[str, Any], test)) for test in record["level_tests"]
             ),
+            **{name: int(count) for name, count in record.get("faults", {}).items()},
         )
 
 
