@@ -2,7 +2,9 @@
 
 A teacher gives a distribution of tasks to the environments, is told what each roll-out of the
 learner brought, and says when it is finished. The learner knows teachers only through this
-protocol, and a teacher knows nothing of the learner.
+protocol, and a teacher knows nothing of the learner. A training loop without environments that
+draw for themselves asks a teacher for tasks by ``sample`` and tells it of each episode by
+``update_on_episode`` (docs/adr/0070).
 """
 
 from __future__ import annotations
@@ -56,10 +58,14 @@ class RolloutOutcome:
         environments, all environments of one moment stand together.
     episodes
         Episodes that ended in it.
+    value_errors
+        Mean magnitude of the generalised advantage over each episode's decisions, ``(episode,)``:
+        how much the learner's critic erred on it. ``None`` from learners without a critic.
     """
 
     rewards: FloatArray
     episodes: Episodes
+    value_errors: FloatArray | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,8 +140,48 @@ class Teacher(Protocol):
         """Return the distribution from which environments draw their next tasks."""
         ...
 
+    def sample(self, k: int = 1) -> FloatArray:
+        """Draw ``k`` tasks of :meth:`distribution`, shape ``(k, parameter)``.
+
+        For loops that set each task themselves; environments that are given the distribution draw
+        from it with generators of their own.
+        """
+        ...
+
+    def update_on_episode(
+        self,
+        episode_return: float,
+        length: int,
+        task: FloatArray,
+        progress: float,
+        env_id: int | None = None,
+        *,
+        value_error: float | None = None,
+    ) -> None:
+        """Take one episode that ended.
+
+        Parameters
+        ----------
+        episode_return
+            Sum of its unnormalised rewards.
+        length
+            Decisions in it.
+        task
+            Its task in the parameters' units, shape ``(parameter,)``.
+        progress
+            1 where it reached its goal, 0 where it did not, or a share in between.
+        env_id
+            Which environment it was in; no teacher here depends on it.
+        value_error
+            As one entry of :attr:`RolloutOutcome.value_errors`.
+        """
+        ...
+
     def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
-        """Take the outcome of a roll-out; return the level test made on it, if one was due."""
+        """Take the outcome of a roll-out; return the level test made on it, if one was due.
+
+        Its episodes count as if each had been given to :meth:`update_on_episode`.
+        """
         ...
 
     def state_dict(self) -> dict[str, Any]:

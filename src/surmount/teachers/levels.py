@@ -13,6 +13,7 @@ from surmount.core.errors import InputError
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import Decision, LevelTest, RolloutOutcome, TeacherStatus
 from surmount.teachers.advancement import AdvancementConfig, gain_ratio, passes
+from surmount.teachers.draws import Draws
 
 
 class LevelTeacher:
@@ -29,9 +30,13 @@ class LevelTeacher:
         Task distribution of each level, in order. With no levels the teacher is finished at once.
     config
         Lengths and threshold.
+    seed
+        Of :meth:`sample`.
     """
 
-    def __init__(self, levels: Sequence[TaskDistribution], config: AdvancementConfig) -> None:
+    def __init__(
+        self, levels: Sequence[TaskDistribution], config: AdvancementConfig, *, seed: int = 0
+    ) -> None:
         self._levels = tuple(levels)
         self._config = config
         self._level = 0
@@ -39,6 +44,7 @@ class LevelTeacher:
         self._steps = 0
         self._first_gain = 0.0
         self._tests: list[LevelTest] = []
+        self._draws = Draws(seed)
         self._begin_iteration()
 
     @property
@@ -68,6 +74,22 @@ class LevelTeacher:
         """Return the level's mixture (eq. 4); after the last level, still the last."""
         return self._levels[min(self._level, len(self._levels) - 1)]
 
+    def sample(self, k: int = 1) -> FloatArray:
+        """Draw tasks of the level, shape ``(k, parameter)``."""
+        return self._draws.draw(self.distribution(), k)
+
+    def update_on_episode(
+        self,
+        episode_return: float,
+        length: int,
+        task: FloatArray,
+        progress: float,
+        env_id: int | None = None,
+        *,
+        value_error: float | None = None,
+    ) -> None:
+        """Take an episode; none decides anything: eq. 5 sums the rewards of learning steps."""
+
     def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
         """Take the rewards of a roll-out; test the level where an iteration has ended."""
         if self.finished:
@@ -91,6 +113,7 @@ class LevelTeacher:
             "level": self._level,
             "iteration": self._iteration,
             "steps": self._steps,
+            "draws": self._draws.calls,
             "iteration_steps": self._iteration_steps,
             "first_gain": self._first_gain,
             "head": self._head.tolist(),
@@ -115,6 +138,7 @@ class LevelTeacher:
         self._level = int(state["level"])
         self._iteration = int(state["iteration"])
         self._steps = int(state["steps"])
+        self._draws.calls = int(state.get("draws", 0))
         self._iteration_steps = int(state["iteration_steps"])
         self._first_gain = float(state["first_gain"])
         self._head = np.asarray(state["head"], dtype=np.float64)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from surmount.core.arrays import FloatArray
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import RolloutOutcome, TeacherStatus
+from surmount.teachers.draws import Draws
 
 
 class UniformTeacher:
@@ -21,15 +23,23 @@ class UniformTeacher:
         that reaches it.
     label
         Name for displays.
+    seed
+        Of :meth:`sample`.
     """
 
     def __init__(
-        self, distribution: TaskDistribution, total_steps: int, *, label: str = "uniform"
+        self,
+        distribution: TaskDistribution,
+        total_steps: int,
+        *,
+        label: str = "uniform",
+        seed: int = 0,
     ) -> None:
         self._distribution = distribution
         self._total_steps = total_steps
         self._label = label
         self._steps = 0
+        self._draws = Draws(seed)
 
     @property
     def finished(self) -> bool:
@@ -44,14 +54,31 @@ class UniformTeacher:
         """Return the fixed distribution."""
         return self._distribution
 
+    def sample(self, k: int = 1) -> FloatArray:
+        """Draw tasks, shape ``(k, parameter)``."""
+        return self._draws.draw(self._distribution, k)
+
+    def update_on_episode(
+        self,
+        episode_return: float,
+        length: int,
+        task: FloatArray,
+        progress: float,
+        env_id: int | None = None,
+        *,
+        value_error: float | None = None,
+    ) -> None:
+        """Take an episode; none changes anything."""
+
     def update_on_rollout(self, outcome: RolloutOutcome) -> None:
         """Count the steps."""
         self._steps += outcome.rewards.size
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the steps done."""
-        return {"steps": self._steps}
+        """Return the steps done and the draws made by hand."""
+        return {"steps": self._steps, "draws": self._draws.calls}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on from the steps done."""
         self._steps = int(state["steps"])
+        self._draws.calls = int(state.get("draws", 0))

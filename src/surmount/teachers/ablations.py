@@ -1,0 +1,159 @@
+"""The paper's curriculum with one idea taken out, as curricula of the same form."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.cluster import hierarchy
+
+from surmount.analysis.cells import group_boxes
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.dendrogram import build_dendrogram, relabelled
+from surmount.analysis.groups import group_names, rank_groups
+from surmount.analysis.levels import build_levels
+from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.curriculum import Curriculum, Group, Level
+from surmount.core.seeds import generator
+from surmount.teachers.cells import TaskCells
+
+
+def stepwise(curriculum: Curriculum) -> Curriculum:
+    """Return the levels without mixtures: each of its dominant group alone.
+
+    The paper names the selection of single groups as future work.
+    """
+    names = [group.name for group in curriculum.groups]
+    return replace(
+        curriculum,
+        levels=tuple(
+            Level(
+                dominant=level.dominant,
+                weights=tuple(float(name == level.dominant) for name in names),
+            )
+            for level in curriculum.levels
+        ),
+    )
+
+
+def equally_weighted(curriculum: Curriculum) -> Curriculum:
+    """Return the levels with the same weight for every group: groups without an order."""
+    share = 1.0 / len(curriculum.groups)
+    return replace(
+        curriculum,
+        levels=tuple(
+            Level(dominant=level.dominant, weights=(share,) * len(curriculum.groups))
+            for level in curriculum.levels
+        ),
+    )
+
+
+def randomly_ordered(curriculum: Curriculum, seed: int) -> Curriculum:
+    """Return the curriculum with groups in a random order instead of that of their success.
+
+    The group in each place of the order takes over the weights that the place has in every level.
+    The order is never the paper's own where there are two groups or more.
+    """
+    count = len(curriculum.groups)
+    rng = generator(seed, "order")
+    order = np.arange(count)
+    while count > 1 and (order == np.arange(count)).all():
+        order = rng.permutation(count)
+    place = np.argsort(order)
+    names = [group.name for group in curriculum.groups]
+    return replace(
+        curriculum,
+        levels=tuple(
+            Level(
+                dominant=names[order[names.index(level.dominant)]],
+                weights=tuple(level.weights[place[group]] for group in range(count)),
+            )
+            for level in curriculum.levels
+        ),
+    )
+
+
+def by_parameter_distance(
+    curriculum: Curriculum, variants: FloatArray, success_rate: FloatArray, config: AnalysisConfig
+) -> Curriculum:
+    """Return as many groups by nearness in parameter space instead of behaviour.
+
+    Distances are Euclidean with every parameter in units of its range; linkage, ranking by
+    success, weights and bounds are those of the paper's way.
+
+    Parameters
+    ----------
+    curriculum
+        The paper's; it gives the number of groups.
+    variants, success_rate
+        Of all networks' trials, shapes ``(variant, parameter)`` and ``(variant,)``.
+    config
+        Linkage, weights and bounds.
+    """
+    extent = np.ptp(variants, axis=0)
+    scaled = variants / np.where(extent > 0, extent, 1.0)
+    distance = np.sqrt(np.square(scaled[:, None, :] - scaled[None, :, :]).sum(axis=2))
+    links = build_dendrogram(distance, config.linkage).links
+    labels = hierarchy.fcluster(links, len(curriculum.groups), criterion="maxclust")
+    members, rates = rank_groups(relabelled(labels.astype(np.int64)), success_rate)
+    return _curriculum(curriculum, variants, members, rates, config)
+
+
+def easy_to_hard(
+    curriculum: Curriculum,
+    cells: TaskCells,
+    success_rate: FloatArray,
+    harder: tuple[int, ...],
+    config: AnalysisConfig,
+) -> Curriculum:
+    """Return what a designer would write: equal parts of the range, from its easy end.
+
+    There are as many parts as groups, and as many levels as the paper's curriculum has, for the
+    hardest of them, with the same weights.
+
+    Parameters
+    ----------
+    curriculum
+        The paper's.
+    cells
+        All variants, in ascending order.
+    success_rate
+        Of each variant, ``(variant,)``; recorded with the groups, it decides nothing.
+    harder
+        Direction of difficulty of each parameter.
+    config
+        Weights and bounds.
+    """
+    count, n_levels = len(curriculum.groups), curriculum.n_levels
+    order = cells.by_difficulty(harder)
+    members = [np.sort(part) for part in np.array_split(order, count) if part.size]
+    rates = [float(success_rate[part].mean()) for part in members]
+    made = _curriculum(curriculum, cells.variants, members, rates, config)
+    names = [group.name for group in made.groups]
+    # The weights of eq. 4 look at places alone: succeed in the easy places, fail in the others.
+    places = [float(place < len(names) - n_levels) for place in range(len(names))]
+    return replace(made, levels=build_levels(names, places, config))
+
+
+def _curriculum(
+    curriculum: Curriculum,
+    variants: FloatArray,
+    members: list[IntArray],
+    rates: list[float],
+    config: AnalysisConfig,
+) -> Curriculum:
+    names = group_names(len(members))
+    return Curriculum(
+        parameters=curriculum.parameters,
+        groups=tuple(
+            Group(
+                name=name,
+                variants=variants[group],
+                success_rate=rate,
+                boxes=group_boxes(variants, group, config.bounds),
+            )
+            for name, group, rate in zip(names, members, rates, strict=True)
+        ),
+        levels=build_levels(names, rates, config),
+        success_threshold=config.success_threshold,
+    )

@@ -1,0 +1,85 @@
+"""Learnability: practise what succeeds about half of the time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surmount.core.arrays import FloatArray
+from surmount.core.errors import ConfigError
+from surmount.core.tasks import TaskDistribution
+from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
+from surmount.teachers.cells import TaskCells
+from surmount.teachers.shares import require_shares, with_uniform_share
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearnabilityConfig:
+    """Sampling by p(1 − p) (Tzannetos et al. 2023, Rutherford et al. 2024)."""
+
+    window_episodes: int = 20
+    """Newest episodes of a variant from which its success rate p is estimated (assumed)."""
+
+    uniform_share: float = 0.2
+    """Share of tasks drawn uniformly, so that p stays known everywhere (assumed)."""
+
+    def __post_init__(self) -> None:
+        require_shares(self)
+        if self.window_episodes < 1:
+            raise ConfigError(
+                f"`window_episodes` is {self.window_episodes}.", remedy="Give at least 1."
+            )
+
+
+class LearnabilityTeacher(AdaptiveTeacher):
+    """Draws variants in proportion to p(1 − p), largest at a success rate of one half.
+
+    After G. Tzannetos et al., "Proximal curriculum for reinforcement learning agents" (TMLR 2023),
+    and A. Rutherford et al., "No regrets: investigating and improving regret approximations for
+    curriculum discovery" (NeurIPS 2024). The latter estimates p by roll-outs beside training;
+    here p is the mean success of the variant's newest training episodes, with one success and one
+    failure added, so that a variant not yet tried counts as half learnt.
+
+    Parameters
+    ----------
+    cells
+        Variants to choose among.
+    total_steps, seed
+        As in :class:`~surmount.teachers.adaptive.AdaptiveTeacher`.
+    config
+        Window and uniform share.
+    """
+
+    def __init__(
+        self, cells: TaskCells, *, total_steps: int, seed: int, config: LearnabilityConfig
+    ) -> None:
+        super().__init__(label="learnability", total_steps=total_steps, seed=seed)
+        self._cells = cells
+        self._config = config
+        self._newest: list[list[float]] = [[] for _ in range(cells.count)]
+
+    def success(self) -> FloatArray:
+        """Return the estimated success rate of each variant, ``(variant,)``."""
+        return np.array([(1.0 + sum(own)) / (2.0 + len(own)) for own in self._newest])
+
+    def distribution(self) -> TaskDistribution:
+        """Return shares in proportion to p(1 − p), beside the uniform share."""
+        rate = self.success()
+        return self._cells.distribution(
+            with_uniform_share(rate * (1.0 - rate), self._config.uniform_share)
+        )
+
+    def take(self, episode: EndedEpisode) -> None:
+        """Add the episode to its variant's window."""
+        own = self._newest[self._cells.locate(episode.task)]
+        own.append(episode.progress)
+        del own[: -self._config.window_episodes]
+
+    def _state(self) -> dict[str, Any]:
+        return {"newest": [list(own) for own in self._newest]}
+
+    def _load(self, state: Mapping[str, Any]) -> None:
+        self._newest = [[float(value) for value in own] for own in state["newest"]]

@@ -1,0 +1,94 @@
+"""Each ablation takes out one idea of the paper's curriculum and keeps the rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from toy_learner import VARIANTS, ToyLearner, toy_brief, toy_curriculum, train
+
+from surmount.analysis import AnalysisConfig
+from surmount.core.errors import ConfigError
+from surmount.teachers import AdvancementConfig, TaskCells, make_teacher
+from surmount.teachers.ablations import (
+    by_parameter_distance,
+    easy_to_hard,
+    equally_weighted,
+    randomly_ordered,
+    stepwise,
+)
+
+PAPER = toy_curriculum()
+RATES = np.repeat([0.97, 0.3, 0.0], 7)
+
+
+def test_stepwise_levels_hold_their_dominant_group_alone():
+    made = stepwise(PAPER)
+    assert [level.weights for level in made.levels] == [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    assert [level.dominant for level in made.levels] == ["medium", "difficult"]
+
+
+def test_equal_weights_make_all_levels_alike():
+    made = equally_weighted(PAPER)
+    assert all(level.weights == pytest.approx((1 / 3,) * 3) for level in made.levels)
+    assert made.n_levels == PAPER.n_levels
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_random_order_permutes_the_weights_and_is_never_the_papers(seed):
+    made = randomly_ordered(PAPER, seed)
+    assert [level.weights for level in made.levels] != [level.weights for level in PAPER.levels]
+    for level, paper in zip(made.levels, PAPER.levels, strict=True):
+        assert sorted(level.weights) == sorted(paper.weights)
+        names = [group.name for group in made.groups]
+        assert level.weights[names.index(level.dominant)] == 0.7
+
+
+def test_random_orders_differ_between_seeds():
+    orders = {randomly_ordered(PAPER, seed).levels for seed in range(12)}
+    assert len(orders) > 2
+
+
+def test_distance_in_parameter_space_groups_neighbours_whatever_their_behaviour():
+    # Behaviour would put both ends together: they alone succeed.
+    variants = np.array([[0.0], [0.1], [0.2], [5.0], [5.1], [5.2], [9.0], [9.1], [9.2]])
+    rates = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.9, 0.9, 0.9])
+    made = by_parameter_distance(PAPER, variants, rates, AnalysisConfig())
+    assert [group.variants[:, 0].tolist() for group in made.groups] == [
+        [0.0, 0.1, 0.2],
+        [9.0, 9.1, 9.2],
+        [5.0, 5.1, 5.2],
+    ]
+    assert [level.dominant for level in made.levels] == ["medium", "difficult"]
+
+
+def test_easy_to_hard_cuts_the_range_from_its_easy_end_with_as_many_levels():
+    cells = TaskCells(("x",), VARIANTS)
+    for harder in (1, -1):
+        made = easy_to_hard(PAPER, cells, RATES, (harder,), AnalysisConfig())
+        middles = [group.variants.mean() for group in made.groups]
+        assert np.all(np.diff(middles) * harder > 0)
+        assert [len(group.variants) for group in made.groups] == [7, 7, 7]
+        assert [level.dominant for level in made.levels] == ["medium", "difficult"]
+        assert made.levels[1].weights[2] == 0.7
+
+
+def test_levels_at_a_budget_go_on_with_the_last_level_or_are_cut_off():
+    short = AdvancementConfig(
+        iteration_steps=200, extension_steps=200, window_steps=50, max_extensions=0
+    )
+    brief = toy_brief(total_steps=2_000)
+    teacher = make_teacher("stepwise", type(brief)(**{**vars(brief), "advancement": short}))
+    tasks = train(teacher, ToyLearner(0), 100)
+    assert len(tasks) == 10
+    assert [part.min() > 0.6 for part in tasks] == [False] + [True] * 9
+    assert teacher.status().label == "after the last level"
+    cut = train(make_teacher("stepwise", toy_brief(total_steps=2_000)), ToyLearner(0), 100)
+    assert len(cut) == 10
+    assert max(part.max() for part in cut) < 0.7  # never left its first level
+
+
+def test_a_curriculum_without_levels_says_so():
+    brief = toy_brief()
+    empty = type(PAPER)(**{**vars(PAPER), "levels": ()})
+    with pytest.raises(ConfigError, match="no levels"):
+        make_teacher("paper", type(brief)(**{**vars(brief), "curriculum": empty}))
