@@ -1,10 +1,14 @@
 """The examples run as they stand, at a tiny scale."""
 
+import importlib
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.own import check_contract
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
 
@@ -47,7 +51,66 @@ def test_a_pushed_distribution_holds_across_the_automatic_resets_of_gymnasiums_v
     assert first[0] == first[1]
 
 
-@pytest.mark.parametrize("name", ["train_sb3", "train_skrl", "gymnasium_vector"])
+@pytest.mark.parametrize("name", ["lunar_lander", "uphill_cheetah"])
+def test_environments_of_others_keep_the_contract(name):
+    module = importlib.import_module(name)
+    findings = check_contract(module.make_env)
+    assert [finding for finding in findings if not finding.holds] == []
+    assert len(findings) == 11 + len(module.make_env().task_parameters)
+
+
+def lander_curriculum() -> Curriculum:
+    groups = tuple(
+        Group(
+            name=name,
+            variants=np.array([[gravity, 0.0], [gravity, 15.0]]),
+            success_rate=rate,
+            boxes=(
+                Box(
+                    lower=np.array([gravity - 1, 0.0]),
+                    upper=np.array([gravity + 1, 15.0]),
+                    weight=1.0,
+                ),
+            ),
+        )
+        for name, gravity, rate in (("easy", 5.0, 0.6), ("difficult", 9.0, 0.1))
+    )
+    levels = (
+        Level(dominant="easy", weights=(1.0, 0.0)),
+        Level(dominant="difficult", weights=(0.25, 0.75)),
+    )
+    return Curriculum(
+        parameters=("gravity_mps2", "wind_power"),
+        groups=groups,
+        levels=levels,
+        success_threshold=0.95,
+    )
+
+
+def test_a_curriculum_runs_in_a_plain_script_with_two_parameters(tmp_path, capsys):
+    import own_environment_sb3  # noqa: PLC0415
+
+    lander_curriculum().save(tmp_path / "curriculum.json")
+    callback = own_environment_sb3.main(
+        tmp_path / "curriculum.json",
+        steps=256,
+        num_envs=2,
+        log=str(tmp_path / "log"),
+        iteration_steps=512,
+        extension_steps=512,
+        window_steps=128,
+        max_extensions=0,
+    )
+    assert [test.level for test in callback.tests] == [0]
+    assert callback.teacher.status().label == "level 2 of 2"
+    assert "rF =" in capsys.readouterr().out
+    assert (tmp_path / "log" / "teacher.json").is_file()
+
+
+@pytest.mark.parametrize(
+    "name", ["train_sb3", "train_skrl", "gymnasium_vector", "own_environment_sb3",
+             "lunar_lander", "uphill_cheetah"]
+)  # fmt: skip
 def test_examples_are_named_in_the_readme(name):
     readme = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
     assert f"examples/{name}.py" in readme

@@ -54,6 +54,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 VERBS = (
     "reproduce",
+    "check",
     "analyze",
     "report",
     "show",

@@ -39,7 +39,7 @@ def reproduce(
     obstacle: Annotated[
         str | None,
         tyro.conf.Positional,
-        tyro.conf.arg(metavar="{narrow-channel,low-entrance,step}"),
+        tyro.conf.arg(metavar="{narrow-channel,low-entrance,step,MODULE:FUNCTION}"),
     ] = None,
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
@@ -60,7 +60,8 @@ def reproduce(
     training goes on from its last checkpoint to the same result. Ctrl-C stops cleanly.
 
     Args:
-        obstacle: The obstacle; may be left out with --resume.
+        obstacle: The obstacle, or an environment of your own as my_module:make_env (see `surmount
+            check`); may be left out with --resume.
         out: Folder for everything the run makes.
         preset: smoke (minutes, shows the method at work) or paper (the paper's scale, many hours).
         seeds: Number of independent initial networks; the preset's if not given.
@@ -107,7 +108,8 @@ def reproduce(
 def _preset(obstacle: str | None, name: str) -> ExperimentConfig:
     if obstacle is None:
         raise ConfigError(
-            "No obstacle was given.", remedy="Name narrow-channel, low-entrance or step."
+            "No obstacle was given.",
+            remedy="Name narrow-channel, low-entrance or step, or my_module:make_env.",
         )
     return preset(obstacle, name)
 

@@ -27,8 +27,13 @@ def print_summary(console: Console, root: Path) -> None:
         strict=True,
     )
     for group, initial, compared in rows:
-        variants = group.variants[:, 0]
-        span = f"{variants.min():g} to {variants.max():g} ({len(variants)})"
+        span = ", ".join(
+            f"{low:g} to {high:g}"
+            for low, high in zip(
+                group.variants.min(axis=0), group.variants.max(axis=0), strict=True
+            )
+        )
+        span += f" ({len(group.variants)})"
         table.add_row(
             group.name,
             span,

@@ -16,7 +16,8 @@ class ExperimentConfig:
     """The protocol of the paper for one obstacle: every choice, frozen and validated."""
 
     obstacle: str
-    """Name of the obstacle: ``narrow-channel``, ``low-entrance`` or ``step``."""
+    """Name of the obstacle: ``narrow-channel``, ``low-entrance`` or ``step``; or
+    ``module:function`` for an environment of one's own."""
 
     scale: str
     """Name of the preset the configuration began as: ``smoke`` or ``paper``."""
@@ -34,8 +35,12 @@ class ExperimentConfig:
     checkpoint_steps: int = 50_000
     """Learning steps between checkpoints: what a kill loses at the most (assumed)."""
 
+    own_sha256: str = ""
+    """SHA-256 of the file of one's own environment, empty for RSTAR's obstacles: with another file
+    it is another experiment."""
+
     env: EnvConfig = field(default_factory=EnvConfig)
-    """Robot, obstacle course, reward and timing."""
+    """Robot, obstacle course, reward and timing; unused with an environment of one's own."""
 
     learner: LearnerConfig = field(default_factory=LearnerConfig)
     """PPO."""

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from surmount.analysis import AnalysisConfig
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
 from surmount.envs import OBSTACLES, EnvConfig
 from surmount.experiment.config import ExperimentConfig
 from surmount.learn import LearnerConfig, RolloutConfig
+from surmount.own import is_own, source_hash
 from surmount.teachers import AdvancementConfig
 
 SCALES = ("smoke", "paper")
 INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_000_000}
 """Learning steps of the initiation (paper III-C)."""
-SMOKE_INITIAL_STEPS = {name: 15 * steps // 100 for name, steps in INITIAL_STEPS.items()}
-"""15 % of the paper's: enough to learn to drive, not to master the obstacle."""
+SMOKE_PERCENT = 15
+"""Share of the paper's: enough to learn to drive, not to master the obstacle."""
+
+OWN_INITIAL_STEPS = 500_000
+"""For an environment of one's own: as the paper's for two of its three obstacles (assumed)."""
 
 SMOKE_DECISION_S = 0.02
 """Twice the default: so few steps then reach far enough for the robot to learn to drive."""
@@ -30,31 +36,36 @@ def preset(obstacle: str, scale: str) -> ExperimentConfig:
     Raises
     ------
     ConfigError
-        If the obstacle or the scale is unknown.
+        If the obstacle, the function or the scale is unknown.
     """
+    if scale not in SCALES:
+        raise ConfigError(f"Unknown preset `{scale}`.", remedy=nearest(scale, [*SCALES]))
+    if is_own(obstacle):
+        sha256 = source_hash(obstacle)
+        return replace(_preset(obstacle, scale, OWN_INITIAL_STEPS), own_sha256=sha256)
     if obstacle not in OBSTACLES:
         raise ConfigError(f"Unknown obstacle `{obstacle}`.", remedy=nearest(obstacle, [*OBSTACLES]))
+    return _preset(obstacle, scale, INITIAL_STEPS[obstacle])
+
+
+def _preset(obstacle: str, scale: str, initial_steps: int) -> ExperimentConfig:
     if scale == "paper":
-        return ExperimentConfig(
-            obstacle=obstacle, scale=scale, initial_steps=INITIAL_STEPS[obstacle]
-        )
-    if scale == "smoke":
-        return ExperimentConfig(
-            obstacle=obstacle,
-            scale=scale,
-            networks=2,
-            initial_steps=SMOKE_INITIAL_STEPS[obstacle],
-            checkpoint_steps=20_000,
-            env=EnvConfig(decision_interval_s=SMOKE_DECISION_S),
-            learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
-            trials=RolloutConfig(repetitions=8),
-            analysis=AnalysisConfig(max_components=12),
-            advancement=AdvancementConfig(
-                iteration_steps=30_000,
-                extension_steps=15_000,
-                window_steps=5_000,
-                max_extensions=1,
-            ),
-            tests=RolloutConfig(repetitions=8),
-        )
-    raise ConfigError(f"Unknown preset `{scale}`.", remedy=nearest(scale, [*SCALES]))
+        return ExperimentConfig(obstacle=obstacle, scale=scale, initial_steps=initial_steps)
+    return ExperimentConfig(
+        obstacle=obstacle,
+        scale=scale,
+        networks=2,
+        initial_steps=SMOKE_PERCENT * initial_steps // 100,
+        checkpoint_steps=20_000,
+        env=EnvConfig(decision_interval_s=SMOKE_DECISION_S),
+        learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
+        trials=RolloutConfig(repetitions=8),
+        analysis=AnalysisConfig(max_components=12),
+        advancement=AdvancementConfig(
+            iteration_steps=30_000,
+            extension_steps=15_000,
+            window_steps=5_000,
+            max_extensions=1,
+        ),
+        tests=RolloutConfig(repetitions=8),
+    )

@@ -15,6 +15,7 @@ from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage, StageFunction
 from surmount.experiment.statistics import compare
+from surmount.experiment.task_family import task_family
 
 
 def protocol(config: ExperimentConfig) -> list[Stage]:
@@ -25,7 +26,7 @@ def protocol(config: ExperimentConfig) -> list[Stage]:
 def _stages(config: ExperimentConfig) -> Iterator[Stage]:
     record = to_record(config)
     networks = range(config.networks)
-    train = _part(record, "obstacle", "env", "learner", "checkpoint_steps")
+    train = task_part(config) | _part(record, "learner", "checkpoint_steps")
     for network in networks:
         initial = per_network("initiation", network)
         yield _stage(config, initial, stages.initiate, train | _part(record, "initial_steps"))
@@ -62,7 +63,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         config,
         STATISTICS,
         compare,
-        {"cap_s": config.env.episode_s},
+        {"cap_s": task_family(config.obstacle, config.env, config.own_sha256).cap_s},
         analysis=(ANALYSIS,),
         **{kind: _all_trials(kind, config) for kind in TRAININGS},
     )
@@ -77,7 +78,7 @@ def _trials_stage(config: ExperimentConfig, trials: Record, kind: str, network: 
         config,
         per_network(TRIALS[kind], network),
         stages.run_trials,
-        _part(to_record(config), "obstacle", "env") | {"trials": trials, "network": network},
+        task_part(config) | {"trials": trials, "network": network},
         network=(per_network(kind, network),),
     )
 
@@ -96,6 +97,12 @@ def _stage(
         seed=derive_seed(config.seed, config.obstacle, name),
         inputs=inputs,
     )
+
+
+def task_part(config: ExperimentConfig) -> Record:
+    """Return what the environments of an experiment depend on."""
+    part = _part(to_record(config), "obstacle", "env")
+    return part | ({"own_sha256": config.own_sha256} if config.own_sha256 else {})
 
 
 def _part(record: Record, *keys: str) -> Record:

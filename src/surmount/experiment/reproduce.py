@@ -172,7 +172,10 @@ def run(
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:
-    differing = differences(read_record(root / RUN).get("config", {}), to_record(config))
+    stored = read_record(root / RUN).get("config", {})
+    # A key that a folder lacks is from after its time, and had its default.
+    defaults = {key: value for key, value in to_record(config).items() if value == ""}
+    differing = differences(defaults | stored, to_record(config))
     if differing:
         key, (there, here) = next(iter(differing.items()))
         more = f" and {len(differing) - 1} more" if len(differing) > 1 else ""

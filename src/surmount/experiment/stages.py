@@ -22,6 +22,7 @@ from surmount.analysis import AnalysisConfig, determine_curriculum
 from surmount.core.configuration import from_record
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import read_record, write_record
+from surmount.core.regions import Regions
 from surmount.core.run_layout import SCHEMA
 from surmount.core.store import Artefact
 from surmount.core.teacher import Teacher
@@ -30,7 +31,7 @@ from surmount.core.trials import Trials
 from surmount.envs import EnvConfig
 from surmount.experiment.graph import StageContext
 from surmount.experiment.history_tables import write_history
-from surmount.experiment.task_family import TaskFamily, obstacle_family
+from surmount.experiment.task_family import TaskFamily, task_family
 from surmount.learn import (
     TRAINED_ON,
     Actor,
@@ -104,7 +105,10 @@ def learn_levels(context: StageContext) -> None:
         from_record(AdvancementConfig, context.config["advancement"]),
     )
     start = Snapshot.load(_only(context, "network").path(NETWORK))
-    _write_training(context, _train(context, _family(context), teacher, start=start))
+    training = _train(
+        context, _family(context), teacher, start=start, regions=Regions.of(curriculum)
+    )
+    _write_training(context, training)
 
 
 def learn_control(context: StageContext) -> None:
@@ -122,8 +126,10 @@ def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
 
 
 def _family(context: StageContext) -> TaskFamily:
-    return obstacle_family(
-        context.config["obstacle"], from_record(EnvConfig, context.config["env"])
+    return task_family(
+        context.config["obstacle"],
+        from_record(EnvConfig, context.config["env"]),
+        context.config.get("own_sha256", ""),
     )
 
 
@@ -133,13 +139,24 @@ def _only(context: StageContext, role: str) -> Artefact:
 
 
 def _train(
-    context: StageContext, family: TaskFamily, teacher: Teacher, *, start: Snapshot | None
+    context: StageContext,
+    family: TaskFamily,
+    teacher: Teacher,
+    *,
+    start: Snapshot | None,
+    regions: Regions | None = None,
 ) -> Training:
     config = from_record(LearnerConfig, context.config["learner"])
     env = family.training_env(config.num_envs)
     try:
         trainer = Trainer(
-            env, teacher, config, seed=context.seed, start=start, log_folder=context.logs
+            env,
+            teacher,
+            config,
+            seed=context.seed,
+            start=start,
+            log_folder=context.logs,
+            regions=regions,
         )
         return trainer.run(
             context.monitor,

@@ -9,9 +9,11 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.arrays import FloatArray
+from surmount.core.errors import ConfigError
 from surmount.core.tasks import TaskDistribution
 from surmount.envs import EnvConfig, ObstacleVectorEnv, find_obstacle
 from surmount.learn import TaskVectorEnv
+from surmount.own import TaskBatch, is_own, load_make_env, source_hash
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,12 +30,19 @@ class TaskFamily:
         Builds so many environments that reset themselves when an episode ends.
     trial_env
         Builds so many environments that stay as they are when an episode ends.
+    cap_s
+        Longest time an episode may take.
+    harder
+        For each parameter 1 where larger values are harder, −1 where smaller ones are; ``None``
+        where nobody knows.
     """
 
     whole_range: TaskDistribution
     variants: FloatArray
     training_env: Callable[[int], TaskVectorEnv]
     trial_env: Callable[[int], TaskVectorEnv]
+    cap_s: float
+    harder: tuple[int, ...] | None
 
 
 def obstacle_family(obstacle: str, config: EnvConfig) -> TaskFamily:
@@ -53,4 +62,52 @@ def obstacle_family(obstacle: str, config: EnvConfig) -> TaskFamily:
         variants=course.variants[:, None],
         training_env=lambda num_envs: build(num_envs, AutoresetMode.SAME_STEP),
         trial_env=lambda num_envs: build(num_envs, AutoresetMode.DISABLED),
+        cap_s=config.episode_s,
+        harder=(course.harder,),
     )
+
+
+def own_family(name: str, sha256: str) -> TaskFamily:
+    """Return the task family of somebody's own environment.
+
+    Parameters
+    ----------
+    name
+        ``module:function``.
+    sha256
+        Hash of the module's file when the experiment was begun.
+
+    Raises
+    ------
+    ConfigError
+        If the file has changed since, or there is no time limit.
+    """
+    make_env = load_make_env(name)
+    if source_hash(name) != sha256:
+        raise ConfigError(
+            f"The file of `{name}` has changed since this run began.",
+            remedy="Choose another --out folder: results of two versions must not be mixed.",
+        )
+    env = make_env()
+    space, decision_s = env.space, env.decision_s
+    limit = env.spec.max_episode_steps if env.spec is not None else None
+    env.close()
+    if limit is None:
+        raise ConfigError(
+            f"`{name}` has no time limit.",
+            remedy="Give `max_episode_steps` to gymnasium.make, or register the environment with "
+            "it.",
+        )
+    return TaskFamily(
+        whole_range=space.whole_range,
+        variants=space.variants,
+        training_env=lambda num_envs: TaskBatch(make_env, num_envs),
+        trial_env=lambda num_envs: TaskBatch(make_env, num_envs, autoreset=False),
+        cap_s=limit * decision_s,
+        harder=space.harder,
+    )
+
+
+def task_family(task: str, config: EnvConfig, own_sha256: str = "") -> TaskFamily:
+    """Return the family of one of RSTAR's obstacles, or of somebody's own environment."""
+    return own_family(task, own_sha256) if is_own(task) else obstacle_family(task, config)

@@ -1,5 +1,6 @@
 """PPO through Stable-Baselines3, roll-outs and checkpoints."""
 
+from surmount.learn.callback import TeacherCallback
 from surmount.learn.config import LearnerConfig
 from surmount.learn.history import History
 from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
@@ -16,6 +17,7 @@ __all__ = [
     "RolloutConfig",
     "Snapshot",
     "TaskVectorEnv",
+    "TeacherCallback",
     "Trainer",
     "Training",
     "acting_only",

@@ -13,6 +13,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import Episodes, RolloutOutcome
+from surmount.learn.value_errors import EpisodeErrors
 
 Infos = dict[str, Any]
 
@@ -80,6 +81,7 @@ class Recorder(VecEnv):
         self._actions = np.empty(0)
         self._episode_reward = np.zeros(env.num_envs)
         self._episode_length = np.zeros(env.num_envs, dtype=np.int64)
+        self._errors = EpisodeErrors(env.num_envs)
         self._forget()
 
     def reset(self) -> VecEnvObs:
@@ -107,9 +109,16 @@ class Recorder(VecEnv):
             sb3_infos[index] = self._end_episode(int(index), bool(terminated[index]), infos)
         return observations, rewards.astype(np.float32), done, sb3_infos
 
-    def collect(self) -> RolloutOutcome:
-        """Return what was recorded since the last call, and forget it."""
+    def collect(self, advantages: np.ndarray | None = None) -> RolloutOutcome:
+        """Return what was recorded since the last call, and forget it.
+
+        Parameters
+        ----------
+        advantages
+            Of all decisions since then, ``(step, env)``, where the learner has them.
+        """
         rows = self._episodes
+        ends = [(row["row"], row["env"]) for row in rows]
         outcome = RolloutOutcome(
             rewards=np.concatenate(self._rewards) if self._rewards else np.empty(0),
             episodes=Episodes(
@@ -122,6 +131,7 @@ class Recorder(VecEnv):
                 success=np.array([row["success"] for row in rows], dtype=np.bool_),
                 diverged=np.array([row["diverged"] for row in rows], dtype=np.bool_),
             ),
+            value_errors=None if advantages is None else self._errors.add(advantages, ends),
         )
         self._forget()
         return outcome
@@ -133,6 +143,7 @@ class Recorder(VecEnv):
             "steps": self.steps,
             "episode_reward": self._episode_reward.copy(),
             "episode_length": self._episode_length.copy(),
+            "errors": self._errors.state_dict(),
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
@@ -141,6 +152,7 @@ class Recorder(VecEnv):
         self.steps = int(state["steps"])
         self._episode_reward = np.array(state["episode_reward"], dtype=np.float64)
         self._episode_length = np.array(state["episode_length"], dtype=np.int64)
+        self._errors.load_state_dict(state["errors"])
 
     def close(self) -> None:
         """Release resources."""
@@ -191,6 +203,8 @@ class Recorder(VecEnv):
         success = bool(final["is_success"][index])
         self._episodes.append(
             {
+                "row": len(self._rewards) - 1,
+                "env": index,
                 "step": self.steps,
                 "variant": np.array(final["variant"][index], dtype=np.float64),
                 "reward": reward,

@@ -9,16 +9,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from stable_baselines3.common.logger import Logger, configure
 from stable_baselines3.common.utils import set_random_seed
 
 from surmount.core.errors import InputError, LearningError
 from surmount.core.monitor import Interrupted, Monitor, Progress
+from surmount.core.regions import Regions
 from surmount.core.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.learn import snapshot
 from surmount.learn.config import LearnerConfig
+from surmount.learn.curriculum_log import log_curriculum
 from surmount.learn.faults import MOST_IN_A_ROW, Faults, is_sound_policy
 from surmount.learn.history import History
+from surmount.learn.loggers import training_logger
 from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO
 from surmount.learn.snapshot import Snapshot, Tensors
@@ -81,6 +83,8 @@ class Trainer:
         Weights, optimiser and normalisation to begin from.
     log_folder
         Where TensorBoard files go; none are written if ``None``.
+    regions
+        Groups whose weight and success are logged.
     """
 
     def __init__(
@@ -92,7 +96,9 @@ class Trainer:
         seed: int,
         start: Snapshot | None = None,
         log_folder: Path | None = None,
+        regions: Regions | None = None,
     ) -> None:
+        self._regions = regions
         self._recorder = Recorder(env)
         self._normaliser = Normaliser(
             self._recorder,
@@ -106,7 +112,7 @@ class Trainer:
         if start is not None:
             snapshot.put(start.tensors, self._model, self._normaliser)
             set_random_seed(seed)
-        self._model.set_logger(_logger(log_folder))
+        self._model.set_logger(training_logger(log_folder))
         self._history = History(parameters=env.task_parameters)
         self._tests: list[LevelTest] = []
         self._faults = Faults()
@@ -127,6 +133,12 @@ class Trainer:
             If updates keep failing, or the physics keeps diverging; the last checkpoint is from
             before.
         """
+        try:
+            return self._run(monitor, checkpointing)
+        finally:
+            self._model.logger.close()
+
+    def _run(self, monitor: Monitor, checkpointing: Checkpointing | None) -> Training:
         saved_at = self._resume(checkpointing, monitor)
         self._push_distribution()
         while not self._teacher.finished:
@@ -134,7 +146,7 @@ class Trainer:
                 self._save(checkpointing)
                 raise Interrupted
             self._learn_one_rollout(monitor, checkpointing)
-            outcome = self._recorder.collect()
+            outcome = self._recorder.collect(self._model.rollout_buffer.advantages)
             self._require_some_physics(outcome)
             test = self._teacher.update_on_rollout(outcome)
             self._history.add(outcome, label=self._teacher.status().label)
@@ -203,18 +215,22 @@ class Trainer:
         logger = self._model.logger
         for name, value in values.items():
             logger.record(f"surmount/{name}", value)
+        finished = self._teacher.finished
+        log_curriculum(
+            logger,
+            distribution=None if finished else self._teacher.distribution(),
+            outcome=outcome,
+            test=test,
+            regions=self._regions,
+        )
         if test is not None:
             self._tests.append(test)
             monitor.log(test.sentence)
-            logger.record("curriculum/level", test.level + 1)
-            logger.record("curriculum/first_gain", test.first_gain)
-            logger.record("curriculum/newest_gain", test.newest_gain)
-            if test.ratio is not None:
-                logger.record("curriculum/eq5_ratio", test.ratio)
             values |= {"eq. 5": test.newest_gain if test.ratio is None else test.ratio}
         diverged = int(outcome.episodes.diverged.sum())
         if diverged:
             monitor.log(f"{diverged} episode(s) ended because the physics diverged")
+        logger.dump(self._recorder.steps)
         monitor.progress(
             Progress(
                 label=status.label, done=status.steps, planned=status.planned_steps, values=values
@@ -260,13 +276,6 @@ class Trainer:
         self._model.load_loop_state(state["loop"])
         monitor.log(f"went on from the checkpoint at {self._recorder.steps:,} steps")
         return self._recorder.steps
-
-
-def _logger(folder: Path | None) -> Logger:
-    if folder is None:
-        return configure(None, [])
-    folder.mkdir(parents=True, exist_ok=True)
-    return configure(str(folder), ["tensorboard"])
 
 
 def _split(state: Mapping[str, Any], prefix: str, arrays: Tensors) -> dict[str, Any]:

@@ -26,7 +26,9 @@ def document_of(results: RunResults) -> Document:
         provenance_section(folder),
     ]
     return Document(
-        title=f"RSTAR and the {folder.obstacle.replace('-', ' ')}",
+        title=folder.obstacle
+        if ":" in folder.obstacle
+        else f"RSTAR and the {folder.obstacle.replace('-', ' ')}",
         subtitle="A curriculum determined from the robot's own behaviour, and what it was worth",
         notices=tuple(notices(folder)),
         summary=tuple(summary(results)),

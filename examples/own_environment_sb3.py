@@ -1,0 +1,36 @@
+"""A curriculum for the lunar lander in a plain Stable-Baselines3 script: a wrapper and a callback.
+
+surmount analyze trials.parquet --out results
+python examples/own_environment_sb3.py results/curriculum.json
+"""
+
+import sys
+
+from stable_baselines3 import PPO
+from stable_baselines3.common.env_util import make_vec_env
+
+import lunar_lander
+from surmount import Curriculum
+from surmount.core.regions import Regions
+from surmount.learn import TeacherCallback
+from surmount.teachers import AdvancementConfig, LevelTeacher
+
+
+def main(path, steps=500_000, num_envs=4, log="runs/sb3", **lengths):
+    curriculum = Curriculum.load(path)
+    levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
+    callback = TeacherCallback(
+        LevelTeacher(levels, AdvancementConfig(**lengths)),
+        regions=Regions.of(curriculum),
+        verbose=1,
+    )
+    env = make_vec_env(lunar_lander.make_env, num_envs, seed=0)
+    model = PPO("MlpPolicy", env, n_steps=min(1024, steps), tensorboard_log=log, seed=0)
+    model.learn(steps, callback=callback)
+    callback.save(f"{log}/teacher.json")
+    env.close()
+    return callback
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

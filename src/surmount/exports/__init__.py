@@ -1,0 +1,1 @@
+"""Curricula taken to other frameworks, and trials from elsewhere."""

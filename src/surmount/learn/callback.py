@@ -1,0 +1,173 @@
+"""A teacher in one's own Stable-Baselines3 script, as a callback."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecEnv
+
+from surmount.core.arrays import FloatArray
+from surmount.core.errors import InputError
+from surmount.core.records import read_record, write_record
+from surmount.core.regions import Regions
+from surmount.core.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
+from surmount.learn.curriculum_log import log_curriculum
+from surmount.learn.value_errors import EpisodeErrors
+
+
+class TeacherCallback(BaseCallback):
+    """Pushes a teacher's distributions to the environments and tells it what came of them.
+
+    Environments take them by ``set_task_distribution`` and say ``variant`` and ``is_success`` in
+    their infos, as :class:`surmount.own.TaskEnv` does. Training ends when the teacher is finished,
+    at the latest after the steps given to ``learn``. Rewards are taken before ``VecNormalize``.
+
+    Parameters
+    ----------
+    teacher
+        The teacher.
+    regions
+        Groups whose weight and success are logged.
+    update_steps
+        Learning steps between two updates of the teacher with learners without roll-outs, such as
+        SAC; the others update it after every roll-out.
+    verbose
+        1 prints the sentence of every level test.
+    """
+
+    def __init__(
+        self,
+        teacher: Teacher,
+        *,
+        regions: Regions | None = None,
+        update_steps: int = 1000,
+        verbose: int = 0,
+    ) -> None:
+        super().__init__(verbose)
+        self.teacher = teacher
+        self.tests: list[LevelTest] = []
+        self._regions = regions
+        self._update_steps = update_steps
+        self._forget()
+
+    def save(self, path: Path | str) -> None:
+        """Write the teacher's progress as JSON, to keep beside the saved model."""
+        write_record(Path(path), self.teacher.state_dict())
+
+    def load(self, path: Path | str) -> None:
+        """Go on from saved progress."""
+        self.teacher.load_state_dict(read_record(Path(path)))
+
+    def _on_training_start(self) -> None:
+        env = self._env()
+        self._errors = EpisodeErrors(env.num_envs)
+        self._episode_reward = np.zeros(env.num_envs)
+        self._episode_length = np.zeros(env.num_envs, dtype=np.int64)
+        self._forget()
+        self._push()
+        # `learn` has begun episodes before it told anyone: begin them again, on tasks as pushed.
+        model = cast("Any", self.model)
+        model._last_obs = model.env.reset()  # noqa: SLF001 - what `learn` itself does
+
+    def _on_step(self) -> bool:
+        normaliser = self.model.get_vec_normalize_env()
+        rewards = (
+            np.asarray(self.locals["rewards"])
+            if normaliser is None
+            else normaliser.get_original_reward()
+        )
+        self._rewards.append(np.array(rewards, dtype=np.float64))
+        self._episode_reward += rewards
+        self._episode_length += 1
+        for env in np.flatnonzero(self.locals["dones"]):
+            self._end_episode(int(env), self.locals["infos"][env])
+        return not self.teacher.finished
+
+    def _on_rollout_end(self) -> None:
+        buffer = getattr(self.model, "rollout_buffer", None)
+        with_critic = isinstance(buffer, RolloutBuffer)
+        steps = sum(map(len, self._rewards))
+        if steps == 0 or (not with_critic and steps < self._update_steps):
+            return
+        errors = None
+        if with_critic:
+            ends = [(row["row"], row["env"]) for row in self._rows]
+            errors = self._errors.add(buffer.advantages, ends)
+        outcome = self._outcome(errors)
+        self._forget()
+        test = self.teacher.update_on_rollout(outcome)
+        if test is not None:
+            self.tests.append(test)
+            if self.verbose:
+                print(test.sentence)
+        log_curriculum(
+            self.logger,
+            distribution=None if self.teacher.finished else self.teacher.distribution(),
+            outcome=outcome,
+            test=test,
+            regions=self._regions,
+        )
+        self._push()
+
+    def _push(self) -> None:
+        if self.teacher.finished:
+            return
+        try:
+            self._env().env_method("set_task_distribution", self.teacher.distribution())
+        except AttributeError as error:
+            raise InputError(
+                "The environments take no task distribution.",
+                remedy="Wrap each in `surmount.own.TaskEnv` before it goes into the vector "
+                "environment.",
+            ) from error
+
+    def _env(self) -> VecEnv:
+        return self.training_env
+
+    def _end_episode(self, env: int, info: dict[str, Any]) -> None:
+        for key in ("variant", "is_success"):
+            if key not in info:
+                raise InputError(
+                    f"The infos of an ended episode hold no `{key}`.",
+                    remedy="Wrap each environment in `surmount.own.TaskEnv`.",
+                )
+        self._rows.append(
+            {
+                "row": len(self._rewards) - 1,
+                "env": env,
+                "step": self.num_timesteps,
+                "variant": np.asarray(info["variant"], dtype=np.float64).reshape(-1),
+                "reward": float(self._episode_reward[env]),
+                "length": int(self._episode_length[env]),
+                "success": bool(info["is_success"]),
+                "diverged": bool(info.get("diverged", False)),
+            }
+        )
+        self._episode_reward[env] = 0.0
+        self._episode_length[env] = 0
+
+    def _outcome(self, errors: FloatArray | None) -> RolloutOutcome:
+        rows = self._rows
+        parameters = len(self.teacher.distribution().parameters)
+        return RolloutOutcome(
+            rewards=np.concatenate(self._rewards),
+            episodes=Episodes(
+                step=np.array([row["step"] for row in rows], dtype=np.int64),
+                variant=np.array([row["variant"] for row in rows], dtype=np.float64).reshape(
+                    len(rows), parameters
+                ),
+                reward=np.array([row["reward"] for row in rows], dtype=np.float64),
+                length=np.array([row["length"] for row in rows], dtype=np.int64),
+                success=np.array([row["success"] for row in rows], dtype=np.bool_),
+                diverged=np.array([row["diverged"] for row in rows], dtype=np.bool_),
+            ),
+            value_errors=errors,
+        )
+
+    def _forget(self) -> None:
+        self._rewards: list[FloatArray] = []
+        self._rows: list[dict[str, Any]] = []

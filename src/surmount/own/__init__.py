@@ -1,0 +1,17 @@
+"""One's own environment: the contract, many of them as one, and a check of the contract."""
+
+from surmount.own.batch import TaskBatch
+from surmount.own.check import Finding, check_contract
+from surmount.own.loading import is_own, load_make_env, source_hash
+from surmount.own.task_env import Moment, TaskEnv
+
+__all__ = [
+    "Finding",
+    "Moment",
+    "TaskBatch",
+    "TaskEnv",
+    "check_contract",
+    "is_own",
+    "load_make_env",
+    "source_hash",
+]

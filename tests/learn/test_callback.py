@@ -1,0 +1,191 @@
+"""In a plain script the callback pushes, tells, tests, logs, and can be saved."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from own_point import PointEnv, make_env
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.logger import KVWriter, Logger
+from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
+
+from surmount.core.errors import ConfigError, InputError, MissingExtraError
+from surmount.core.regions import Regions
+from surmount.core.tasks import TaskDistribution
+from surmount.learn import TeacherCallback
+from surmount.learn.loggers import WRITERS, training_logger
+from surmount.teachers import (
+    AdvancementConfig,
+    LevelTeacher,
+    ReplayConfig,
+    ReplayTeacher,
+    TaskCells,
+    UniformTeacher,
+)
+
+NAMES = ("distance_m", "wind")
+NEAR = TaskDistribution.uniform(NAMES, np.array([0.5, 0.0]), np.array([0.7, 0.1]))
+FAR = TaskDistribution.uniform(NAMES, np.array([1.5, 0.0]), np.array([2.0, 0.1]))
+REGIONS = Regions(
+    names=("near", "far"), lower=(NEAR.lower, FAR.lower), upper=(NEAR.upper, FAR.upper)
+)
+CONFIG = AdvancementConfig(
+    iteration_steps=128, extension_steps=128, window_steps=32, max_extensions=0
+)
+
+
+class Told(LevelTeacher):
+    """Keeps what it is told."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.outcomes = []
+
+    def update_on_rollout(self, outcome):
+        self.outcomes.append(outcome)
+        return super().update_on_rollout(outcome)
+
+
+class Lines(KVWriter):
+    def __init__(self):
+        self.lines = []
+
+    def write(self, key_values, key_excluded, step=0):
+        self.lines.append(dict(key_values))
+
+    def close(self):
+        pass
+
+
+def learn(callback, *, steps=2_000, normalised=False, model=PPO, **options):
+    env = DummyVecEnv([make_env, make_env])
+    if normalised:
+        env = VecNormalize(env)
+    learner = model("MlpPolicy", env, seed=0, device="cpu", **options)
+    lines = Lines()
+    learner.set_logger(Logger(None, [lines]))
+    learner.learn(steps, callback=callback)
+    return lines.lines
+
+
+def test_levels_are_pushed_from_the_first_episode_on_and_training_ends_with_the_last():
+    teacher = Told([NEAR, FAR], CONFIG)
+    callback = TeacherCallback(teacher, regions=REGIONS)
+    lines = learn(callback, n_steps=64, batch_size=64)
+    tasks = [outcome.episodes.variant for outcome in teacher.outcomes]
+    assert len(tasks) == 2  # two levels of one roll-out of 128 steps
+    assert (tasks[0][:, 0] <= 0.7).all()  # the first episodes included
+    begun_before = 2  # one episode of each environment began before the new level was pushed
+    assert (tasks[1][begun_before:, 0] >= 1.5).all()
+    assert [test.decision for test in callback.tests] == ["advance at the limit"] * 2
+    assert lines[0]["curriculum/level"] == 1
+    assert lines[0]["curriculum/weight/far"] == 1.0
+    assert lines[0]["curriculum/weight/near"] == 0.0
+    assert lines[0]["curriculum/success/near"] == pytest.approx(
+        teacher.outcomes[0].episodes.success.mean()
+    )
+    test = callback.tests[0]
+    assert lines[0]["curriculum/rL"] - lines[0]["curriculum/rF"] == pytest.approx(test.first_gain)
+    assert lines[0]["curriculum/advanced"] == 1
+
+
+def test_rewards_are_those_before_normalisation():
+    teachers = [Told([NEAR], CONFIG), Told([NEAR], CONFIG)]
+    for teacher, normalised in zip(teachers, (False, True), strict=True):
+        learn(TeacherCallback(teacher), normalised=normalised, n_steps=64, batch_size=64)
+    for teacher in teachers:
+        rewards = teacher.outcomes[0].rewards
+        goals = rewards > 0.2
+        assert np.allclose(rewards[goals], 5.0)  # the reward of the goal, unscaled
+        assert rewards.size == 128
+        episodes = teacher.outcomes[0].episodes
+        ended = int(episodes.length.sum())
+        assert 0 < ended <= 128
+
+
+def test_value_errors_reach_prioritised_level_replay():
+    cells = TaskCells(NAMES, make_env().space.variants)
+    teacher = ReplayTeacher(cells, total_steps=600, seed=0, config=ReplayConfig())
+    learn(TeacherCallback(teacher), n_steps=64, batch_size=64)
+    state = teacher.state_dict()
+    assert state["episodes"] > 20
+    assert max(state["score"]) > 0
+    assert teacher.finished
+
+
+def test_learners_without_rollouts_update_the_teacher_now_and_then():
+    teacher = Told([NEAR], AdvancementConfig(**{**vars(CONFIG), "iteration_steps": 200}))
+    callback = TeacherCallback(teacher, update_steps=60)
+    learn(callback, model=SAC, steps=400, learning_starts=500, buffer_size=500)
+    assert 60 <= teacher.outcomes[0].rewards.size < 70
+    assert teacher.outcomes[0].value_errors is None
+    assert callback.tests
+
+
+def test_saved_progress_is_gone_on_with(tmp_path):
+    first = TeacherCallback(LevelTeacher([NEAR, FAR], CONFIG))
+    learn(first, n_steps=64, batch_size=64, steps=128)
+    first.save(tmp_path / "teacher.json")
+    second = TeacherCallback(LevelTeacher([NEAR, FAR], CONFIG))
+    second.load(tmp_path / "teacher.json")
+    assert second.teacher.status() == first.teacher.status()
+    assert second.teacher.status().label == "level 2 of 2"
+
+
+def test_environments_without_the_wrapper_are_refused_with_a_remedy():
+    model = PPO("MlpPolicy", DummyVecEnv([PointEnv]), n_steps=64, device="cpu")
+    with pytest.raises(InputError, match="no task distribution") as caught:
+        model.learn(64, callback=TeacherCallback(UniformTeacher(NEAR, 64)))
+    assert "TaskEnv" in caught.value.remedy
+
+
+@pytest.mark.parametrize("name", ["wandb", "mlflow"])
+def test_a_service_that_is_asked_for_and_missing_is_named(name, tmp_path, monkeypatch):
+    monkeypatch.setenv("SURMOUNT_LOG", name)
+    monkeypatch.setitem(__import__("sys").modules, name, None)
+    with pytest.raises(MissingExtraError, match=name):
+        training_logger(tmp_path / "curriculum" / "network-0")
+
+
+def test_an_unknown_service_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("SURMOUNT_LOG", "carrier-pigeon")
+    with pytest.raises(ConfigError, match="carrier-pigeon"):
+        training_logger(tmp_path / "a" / "b")
+
+
+def test_weights_and_biases_and_mlflow_get_the_scalars_of_the_same_logger(tmp_path, monkeypatch):
+    wandb, mlflow = Service(), Service()
+    monkeypatch.setitem(__import__("sys").modules, "wandb", wandb)
+    monkeypatch.setitem(__import__("sys").modules, "mlflow", mlflow)
+    monkeypatch.setenv("SURMOUNT_LOG", ",".join(WRITERS))
+    logger = training_logger(tmp_path / "curriculum" / "network-0")
+    logger.record("curriculum/level", 2)
+    logger.record("note", "words are no scalars")
+    logger.dump(700)
+    logger.close()
+    assert ("log", ({"curriculum/level": 2.0},), {"step": 700}) in wandb.calls
+    assert any(call[0] == "init" and call[2]["name"] == "curriculum/network-0"
+               for call in wandb.calls)  # fmt: skip
+    logged = [call for call in mlflow.calls if call[0] == "log_metric"]
+    assert [(call[1][1:], call[2]) for call in logged] == [
+        (("curriculum/level", 2.0), {"step": 700})
+    ]
+    assert mlflow.calls[-1][0] == "set_terminated"
+    assert list((tmp_path / "curriculum" / "network-0").glob("events.*"))
+
+
+class Service:
+    """Notes every call of a service's client, which is not installed here."""
+
+    def __init__(self, calls=None):
+        self.calls = [] if calls is None else calls
+
+    def __getattr__(self, name):
+        if name == "tracking":
+            return self
+
+        def call(*arguments, **options):
+            self.calls.append((name, arguments, options))
+            return Service(self.calls)
+
+        return call
