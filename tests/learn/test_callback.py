@@ -77,7 +77,8 @@ def test_levels_are_pushed_from_the_first_episode_on_and_training_ends_with_the_
     assert (tasks[0][:, 0] <= 0.7).all()  # the first episodes included
     begun_before = 2  # one episode of each environment began before the new level was pushed
     assert (tasks[1][begun_before:, 0] >= 1.5).all()
-    assert [test.decision for test in callback.tests] == ["advance at the limit"] * 2
+    assert all(test.decision.startswith("advance") for test in callback.tests)
+    assert [test.level for test in callback.tests] == [0, 1]
     assert lines[0]["curriculum/level"] == 1
     assert lines[0]["curriculum/weight/far"] == 1.0
     assert lines[0]["curriculum/weight/near"] == 0.0
@@ -181,8 +182,10 @@ class Service:
         self.calls = [] if calls is None else calls
 
     def __getattr__(self, name):
-        if name == "tracking":
+        if name in ("tracking", "info"):
             return self
+        if name.endswith("_id"):
+            return "7"
 
         def call(*arguments, **options):
             self.calls.append((name, arguments, options))
