@@ -55,6 +55,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 VERBS = (
     "reproduce",
     "check",
+    "compare",
     "analyze",
     "report",
     "show",

@@ -25,7 +25,7 @@ class Journal:
     def __init__(self, root: Path, observer: RunObserver) -> None:
         self._root = root
         self._observer = observer
-        self._stages: dict[str, str] = {}
+        self._stages = _kept(root)
         self._seconds = _numbers(root / TIMINGS)
         self._restarts = _numbers(root / RESTARTS)
 
@@ -55,6 +55,15 @@ class Journal:
         self._stages[artefact.stage] = artefact.folder.relative_to(self._root).as_posix()
         stages = dict(sorted(self._stages.items()))
         write_record(self._root / INDEX, {"schema": SCHEMA, "stages": stages})
+
+
+def _kept(root: Path) -> dict[str, str]:
+    """Return what earlier calls indexed: a comparison of teachers has more stages than a run."""
+    try:
+        stages = read_record(root / INDEX)["stages"]
+    except (InputError, KeyError):
+        return {}
+    return {name: folder for name, folder in dict(stages).items() if (root / folder).is_dir()}
 
 
 def _numbers(path: Path) -> dict[str, float]:

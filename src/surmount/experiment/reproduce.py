@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from surmount.core.configuration import differences, from_record, nearest, to_record
@@ -14,6 +14,7 @@ from surmount.core.store import output_errors
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.depot import Depot
 from surmount.experiment.executor import Executor, Listener
+from surmount.experiment.graph import Stage
 from surmount.experiment.in_process import InProcessExecutor
 from surmount.experiment.journal import Journal
 from surmount.experiment.local_processes import ProcessExecutor
@@ -140,6 +141,7 @@ def run(
     on_ready: Callable[[GraphRunner], None] = lambda _: None,
     url: str | None = None,
     retries: int = RETRIES,
+    stages: Iterable[Stage] | None = None,
 ) -> RunOutcome:
     """Run what is missing of an experiment, and keep an index of its artefacts.
 
@@ -157,10 +159,12 @@ def run(
         An object store that has the same stages as the folder, for workers that do not see it.
     retries
         How often a stage is run again after its worker was lost.
+    stages
+        The graph; the protocol's if not given.
     """
     runner = GraphRunner(
         root,
-        protocol(config),
+        protocol(config) if stages is None else stages,
         executor,
         Journal(root, observer),
         depot=Depot(root=root, url=url),

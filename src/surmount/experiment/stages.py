@@ -54,18 +54,18 @@ CURRICULUM = "curriculum.json"
 
 def initiate(context: StageContext) -> None:
     """Train a new network briefly on uniform variants (II-A)."""
-    family = _family(context)
+    family = family_of(context)
     teacher = UniformTeacher(
         family.whole_range, int(context.config["initial_steps"]), label="initiation"
     )
-    _write_training(context, _train(context, family, teacher, start=None))
+    write_training(context, train(context, family, teacher, start=None))
 
 
 def run_trials(context: StageContext) -> None:
     """Roll a network out on every variant and log its behaviour (II-A, III-D)."""
-    family = _family(context)
+    family = family_of(context)
     config = from_record(RolloutConfig, context.config["trials"])
-    network = Snapshot.load(_only(context, "network").path(NETWORK))
+    network = Snapshot.load(only(context, "network").path(NETWORK))
     env = family.trial_env(len(family.variants) * config.repetitions)
     try:
         actor = Actor(network, env.single_observation_space, env.single_action_space)
@@ -99,25 +99,25 @@ def analyse(context: StageContext) -> None:
 
 def learn_levels(context: StageContext) -> None:
     """Train an initial network on, level by level (II-C)."""
-    curriculum = Curriculum.load(_only(context, "analysis").path(CURRICULUM))
+    curriculum = Curriculum.load(only(context, "analysis").path(CURRICULUM))
     teacher = LevelTeacher(
         [curriculum.level_distribution(level) for level in range(curriculum.n_levels)],
         from_record(AdvancementConfig, context.config["advancement"]),
     )
-    start = Snapshot.load(_only(context, "network").path(NETWORK))
-    training = _train(
-        context, _family(context), teacher, start=start, regions=Regions.of(curriculum)
+    start = Snapshot.load(only(context, "network").path(NETWORK))
+    training = train(
+        context, family_of(context), teacher, start=start, regions=Regions.of(curriculum)
     )
-    _write_training(context, training)
+    write_training(context, training)
 
 
 def learn_control(context: StageContext) -> None:
     """Train the same initial network on for as many steps, on uniform variants (III-C)."""
-    family = _family(context)
-    steps = int(read_record(_only(context, "curriculum").path(TRAINING))["steps"])
+    family = family_of(context)
+    steps = int(read_record(only(context, "curriculum").path(TRAINING))["steps"])
     teacher = UniformTeacher(family.whole_range, steps, label="control")
-    start = Snapshot.load(_only(context, "network").path(NETWORK))
-    _write_training(context, _train(context, family, teacher, start=start))
+    start = Snapshot.load(only(context, "network").path(NETWORK))
+    write_training(context, train(context, family, teacher, start=start))
 
 
 def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
@@ -125,7 +125,8 @@ def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
     return Trials.concatenate([read_trials(artefact.path(TRIALS)) for artefact in artefacts])
 
 
-def _family(context: StageContext) -> TaskFamily:
+def family_of(context: StageContext) -> TaskFamily:
+    """Return the task family that a stage is about."""
     return task_family(
         context.config["obstacle"],
         from_record(EnvConfig, context.config["env"]),
@@ -133,12 +134,13 @@ def _family(context: StageContext) -> TaskFamily:
     )
 
 
-def _only(context: StageContext, role: str) -> Artefact:
+def only(context: StageContext, role: str) -> Artefact:
+    """Return the only artefact of a role."""
     (artefact,) = context.inputs[role]
     return artefact
 
 
-def _train(
+def train(
     context: StageContext,
     family: TaskFamily,
     teacher: Teacher,
@@ -146,6 +148,7 @@ def _train(
     start: Snapshot | None,
     regions: Regions | None = None,
 ) -> Training:
+    """Train under a teacher, going on from the stage's checkpoint if there is one."""
     config = from_record(LearnerConfig, context.config["learner"])
     env = family.training_env(config.num_envs)
     try:
@@ -169,7 +172,8 @@ def _train(
         env.close()
 
 
-def _write_training(context: StageContext, training: Training) -> None:
+def write_training(context: StageContext, training: Training) -> None:
+    """Write the network, its history and a record of the training."""
     history = training.history
     trained_on = {key: context.config[key] for key in ("obstacle", "env")}
     network = training.network

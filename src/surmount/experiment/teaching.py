@@ -1,0 +1,153 @@
+"""Stages and graph of a comparison of teachers at matched budgets.
+
+A comparison is an experiment with more arms. The paper's curriculum and the uniform control are the
+experiment's own; every other teacher trains each of its initial networks for as many steps as the
+paper's curriculum took with that network, and is tested alike. So a finished experiment is taken
+as it is, and teachers can be added one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from surmount.analysis import Analysis, AnalysisConfig
+from surmount.core.configuration import from_record, to_record
+from surmount.core.records import read_record
+from surmount.core.regions import Regions
+from surmount.core.run_layout import ANALYSIS, TRIALS, per_network
+from surmount.core.seeds import derive_seed
+from surmount.core.task_space import harder_by_success
+from surmount.experiment import stages
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.graph import Stage, StageContext
+from surmount.experiment.protocol import protocol, task_part
+from surmount.experiment.teacher_statistics import compare_teachers
+from surmount.learn import Snapshot
+from surmount.teachers import AdvancementConfig, Brief, TeachersConfig, find_teacher, make_teacher
+
+OWN_ARMS = {"paper": "curriculum", "uniform": "control"}
+"""Teachers that every experiment has, by the name of their stage."""
+COMPARISON = "teachers"
+"""Name of the stage that compares them."""
+SETTINGS = {
+    "alp-gmm": "alp_gmm",
+    "plr": "plr",
+    "learning-progress": "learning_progress",
+    "learnability": "learnability",
+    "spdl": "spdl",
+}
+"""Fields of :class:`TeachersConfig` by teacher; the others have no settings of their own."""
+
+
+def training_stage(teacher: str, network: int) -> str:
+    """Return the name of the stage in which a teacher trains a network."""
+    return per_network(OWN_ARMS.get(teacher, f"teach/{teacher}"), network)
+
+
+def test_stage(teacher: str, network: int) -> str:
+    """Return the name of the stage that tests it."""
+    own = OWN_ARMS.get(teacher)
+    return per_network(f"test-teach/{teacher}" if own is None else TRIALS[own], network)
+
+
+def comparison_graph(
+    config: ExperimentConfig, teachers: tuple[str, ...], teaching: TeachersConfig
+) -> list[Stage]:
+    """Return the stages of an experiment with more teachers.
+
+    Parameters
+    ----------
+    config
+        The experiment.
+    teachers
+        Names of the teachers to compare; the paper's and the uniform one are always among them.
+    teaching
+        Their settings.
+    """
+    names = tuple(dict.fromkeys([*OWN_ARMS, *teachers]))
+    for name in names:
+        find_teacher(name)
+    graph = protocol(config)
+    for name in names:
+        if name not in OWN_ARMS:
+            for network in range(config.networks):
+                graph += _arm(config, name, network, teaching)
+    networks = range(config.networks)
+    roles = {f"test:{name}": tuple(test_stage(name, i) for i in networks) for name in names}
+    roles |= {f"training:{name}": tuple(training_stage(name, i) for i in networks)
+              for name in names}  # fmt: skip
+    graph.append(
+        Stage(
+            name=COMPARISON,
+            function=compare_teachers,
+            config={"teachers": list(names)},
+            seed=derive_seed(config.seed, config.obstacle, COMPARISON),
+            inputs={"analysis": (ANALYSIS,), **roles},
+        )
+    )
+    return graph
+
+
+def _arm(
+    config: ExperimentConfig, teacher: str, network: int, teaching: TeachersConfig
+) -> list[Stage]:
+    record = to_record(config)
+    own = SETTINGS.get(teacher)
+    name = training_stage(teacher, network)
+    part: dict[str, Any] = {
+        **task_part(config),
+        **{key: record[key] for key in ("learner", "checkpoint_steps", "advancement", "analysis")},
+        "teacher": teacher,
+        "teaching": {} if own is None else {own: to_record(teaching)[own]},
+    }
+    train = Stage(
+        name=name,
+        function=learn_by_teacher,
+        config=part,
+        seed=derive_seed(config.seed, config.obstacle, name),
+        inputs={
+            "network": (per_network("initiation", network),),
+            "analysis": (ANALYSIS,),
+            "curriculum": (per_network("curriculum", network),),
+        },
+    )
+    name = test_stage(teacher, network)
+    test = Stage(
+        name=name,
+        function=stages.run_trials,
+        config={**task_part(config), "trials": record["tests"], "network": network},
+        seed=derive_seed(config.seed, config.obstacle, name),
+        inputs={"network": (train.name,)},
+    )
+    return [train, test]
+
+
+def learn_by_teacher(context: StageContext) -> None:
+    """Train an initial network on by a teacher, for as long as the paper's curriculum took."""
+    family = stages.family_of(context)
+    analysis = Analysis.load(stages.only(context, "analysis").path(stages.ANALYSIS))
+    steps = int(read_record(stages.only(context, "curriculum").path(stages.TRAINING))["steps"])
+    config: Mapping[str, Any] = context.config
+    brief = Brief(
+        curriculum=analysis.curriculum,
+        variants=analysis.variants,
+        success_rate=analysis.success_rate,
+        whole_range=family.whole_range,
+        harder=family.harder or harder_by_success(analysis.variants, analysis.success_rate),
+        total_steps=steps,
+        seed=context.seed,
+        environments=int(config["learner"]["num_envs"]),
+        analysis=from_record(AnalysisConfig, config["analysis"]),
+        advancement=from_record(AdvancementConfig, config["advancement"]),
+        teachers=from_record(TeachersConfig, config["teaching"]),
+    )
+    start = Snapshot.load(stages.only(context, "network").path(stages.NETWORK))
+    training = stages.train(
+        context,
+        family,
+        make_teacher(str(config["teacher"]), brief),
+        start=start,
+        regions=Regions.of(analysis.curriculum),
+    )
+    stages.write_training(context, training)

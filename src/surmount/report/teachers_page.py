@@ -1,0 +1,319 @@
+"""The page of a comparison of teachers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from matplotlib.figure import Figure as StillFigure
+
+from surmount.core.records import write_atomically
+from surmount.core.store import output_errors
+from surmount.report.document import (
+    Block,
+    Column,
+    Document,
+    Figure,
+    Notice,
+    Panel,
+    Paragraph,
+    Section,
+    Table,
+)
+from surmount.report.page import page
+from surmount.report.palette import INK, SEQUENTIAL
+from surmount.report.plots import compact, plain, plot
+from surmount.report.stills import axes_grid, draw, write_still
+from surmount.report.text import integer, percent, percent_interval, variant_label
+
+PAGE = "teachers.html"
+FIGURES = "figures"
+FEW_NETWORKS = 5
+"""Networks below which the page says that nothing can be concluded."""
+COLUMNS = 3
+"""Panels of the figure of what was sampled, side by side."""
+
+Record = Mapping[str, Any]
+
+
+def write_teachers_report(record: Record, root: Path) -> Path:
+    """Write the page of a comparison and its figures.
+
+    Parameters
+    ----------
+    record
+        ``teachers.json`` of the comparison.
+    root
+        The run's folder.
+    """
+    document = document_of_teachers(record)
+    with output_errors(root):
+        stills = {figure.name: draw(figure.still) for figure in document.figures()}
+        for figure in document.figures():
+            write_still(root / FIGURES, figure.name, stills[figure.name], figure.data)
+        write_atomically(root / PAGE, page(document, stills).encode())
+    return root / PAGE
+
+
+def document_of_teachers(record: Record) -> Document:
+    """Lay out the page."""
+    teachers = record["teachers"]
+    networks = len(teachers[0]["success"])
+    best = max(teachers, key=lambda teacher: teacher["interquartile_mean"]["estimate"])
+    notices = ()
+    if networks < FEW_NETWORKS:
+        notices = (
+            Notice(
+                title="Too few networks",
+                sentences=(
+                    (
+                        f"{networks} network(s) cannot tell teachers apart: this shows that the "
+                        "comparison runs, and says nothing about who is better."
+                    ),
+                ),
+            ),
+        )
+    blocks: tuple[Block, ...] = (
+        Paragraph(
+            text="Every teacher trained the same initial networks on, each for as many steps as "
+            "the paper's curriculum took with it, and was tested on every variant alike. Scores "
+            "are success rates in these tests; intervals are 95 % bootstrap intervals over "
+            "networks, which are too narrow with fewer than ten."
+        ),
+        _score_figure(record),
+        _score_table(record),
+        _duel_table(record),
+        _speed_table(record),
+    )
+    return Document(
+        title="Teachers compared",
+        subtitle="The paper's curriculum beside other ways of choosing tasks, at equal budgets",
+        notices=notices,
+        summary=(
+            (
+                f"Highest interquartile mean of success: {best['title']}, "
+                f"{percent(best['interquartile_mean']['estimate'])}."
+            ),
+        ),
+        facts=(
+            ("teachers", str(len(teachers))),
+            ("networks each", str(networks)),
+            ("steps", f"{integer(sum(sum(teacher['steps']) for teacher in teachers))} in all"),
+        ),
+        sections=(
+            Section(anchor="scores", title="Success", blocks=blocks),
+            Section(anchor="sampled", title="What each sampled", blocks=(_sampled_figure(record),)),
+        ),
+    )
+
+
+def _table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], *notes: str) -> Table:
+    return Table(
+        label="",
+        title=title,
+        columns=tuple(Column(heading=name, numeric=index > 0) for index, name in enumerate(header)),
+        rows=tuple(tuple(row) for row in rows),
+        notes=notes,
+    )
+
+
+def _score_table(record: Record) -> Table:
+    rows = [
+        (
+            f"{teacher['title']} ({teacher['source']})",
+            percent(teacher["interquartile_mean"]["estimate"]),
+            _limits(teacher["interquartile_mean"]),
+            *(percent(group["estimate"]) for group in teacher["mean_by_group"]),
+        )
+        for teacher in record["teachers"]
+    ]
+    groups = [f"mean, {name}" for name in record["groups"]]
+    return _table("Success over networks", ("teacher", "IQM", "interval", *groups), rows)
+
+
+def _limits(interval: Record) -> str:
+    return percent_interval(interval["lower"], interval["upper"])
+
+
+def _duel_table(record: Record) -> Table:
+    rows = [
+        (
+            f"{teacher['title']} against {other}",
+            percent(duel["mean_difference"]["estimate"]),
+            _limits(duel["mean_difference"]),
+            percent(duel["probability_of_improvement"]["estimate"]),
+            _limits(duel["probability_of_improvement"]),
+        )
+        for teacher in record["teachers"]
+        for other, duel in teacher["against"].items()
+    ]
+    return _table(
+        "Each against the paper's curriculum and against uniform tasks",
+        ("", "difference of means", "interval (t)", "probability of improvement", "interval"),
+        rows,
+        "The difference is judged by a paired t-test's interval, which holds with few networks.",
+    )
+
+
+def _speed_table(record: Record) -> Table:
+    rows = [
+        (
+            teacher["title"],
+            *(
+                f"{speed['n_reached']} of {speed['n_networks']}"
+                + ("" if speed["median_steps"] is None
+                   else f", median {integer(round(speed['median_steps']))}")
+                for speed in teacher["steps_to_95"]
+            ),
+        )
+        for teacher in record["teachers"]
+    ]  # fmt: skip
+    return _table(
+        "Learning steps until 95 % of a group's training episodes succeed",
+        ("teacher", *record["groups"]),
+        rows,
+        f"Of the group's newest {record['window_episodes']} episodes in training, with random "
+        "starts and exploration, on the tasks that the teacher chose within the group: a teacher "
+        "that hardly samples a group is hardly measured on it. Networks that get there, and the "
+        "median over all by Kaplan and Meier.",
+    )
+
+
+def _score_figure(record: Record) -> Figure:
+    teachers = record["teachers"][::-1]
+    titles = [teacher["title"] for teacher in teachers]
+    whole = [teacher["interquartile_mean"] for teacher in teachers]
+    estimates = np.array([interval["estimate"] for interval in whole])
+    lower = np.array([estimate if interval["lower"] is None else interval["lower"]
+                      for estimate, interval in zip(estimates, whole, strict=True)])  # fmt: skip
+    upper = np.array([estimate if interval["upper"] is None else interval["upper"]
+                      for estimate, interval in zip(estimates, whole, strict=True)])  # fmt: skip
+    chart = plot(x_title="interquartile mean of success (%)", y_title="")
+    chart.add_trace(
+        go.Scatter(
+            x=compact(100 * estimates),
+            y=[plain(title) for title in titles],
+            mode="markers",
+            marker={"color": INK, "size": 9},
+            error_x={
+                "type": "data",
+                "array": compact(100 * (upper - estimates)),
+                "arrayminus": compact(100 * (estimates - lower)),
+                "color": INK,
+            },
+        )
+    )
+    chart.update_xaxes(range=[-2, 102])
+
+    def still() -> StillFigure:
+        figure, (axis,) = axes_grid(1, 1, height_in=0.9 + 0.26 * len(titles))
+        axis.errorbar(
+            100 * estimates,
+            range(len(titles)),
+            xerr=100 * np.stack([estimates - lower, upper - estimates]),
+            fmt="o",
+            color=INK,
+        )
+        axis.set_yticks(range(len(titles)), titles)
+        axis.set_xlim(-2, 102)
+        axis.set_xlabel("interquartile mean of success (%)")
+        return figure
+
+    return Figure(
+        name="teachers-success",
+        label="",
+        title="Success by teacher",
+        caption=("Interquartile mean over networks and variants, with its bootstrap interval.",),
+        alternative="Points with intervals, one per teacher.",
+        legend=(),
+        panels=(Panel(plot=chart, height_px=120 + 34 * len(titles)),),
+        panel_width_px=520,
+        still=still,
+        data={
+            "teacher": titles,
+            "estimate": estimates.tolist(),
+            "lower": lower.tolist(),
+            "upper": upper.tolist(),
+        },
+    )
+
+
+def _sampled_figure(record: Record) -> Figure:
+    labels = [variant_label(variant) for variant in record["variants"]]
+    shares = {teacher["title"]: _shares(teacher["sampled"]) for teacher in record["teachers"]}
+    top = max(float(np.nanmax(share)) if np.isfinite(share).any() else 1.0
+              for share in shares.values())  # fmt: skip
+    panels: list[Panel] = []
+    for title, share in shares.items():
+        chart = plot(x_title="part of the training (%)", y_title="variant")
+        middles = 100 * (np.arange(len(share)) + 0.5) / len(share)
+        chart.add_trace(
+            go.Heatmap(
+                x=compact(middles),
+                y=labels,
+                z=compact(100 * share.T),
+                zmin=0,
+                zmax=100 * top,
+                colorscale=[list(stop) for stop in SEQUENTIAL],
+                showscale=not panels,
+                colorbar={"title": {"text": "%"}},
+            )
+        )
+        chart.update_yaxes(type="category")
+        panels.append(Panel(plot=chart, height_px=300, title=title))
+
+    def still() -> StillFigure:
+        rows = -(-len(shares) // COLUMNS)
+        figure, axes = axes_grid(
+            rows, COLUMNS, height_in=0.5 + 2.0 * rows, used=len(shares), share_y=True
+        )
+        ticks = np.unique(np.linspace(0, len(labels) - 1, 6).round().astype(int))
+        for axis, (title, share) in zip(axes, shares.items(), strict=True):
+            axis.imshow(
+                100 * share.T,
+                aspect="auto",
+                origin="lower",
+                extent=(0, 100, -0.5, len(labels) - 0.5),
+                vmin=0,
+                vmax=100 * top,
+                cmap="Blues",
+            )
+            axis.set_title(title)
+            axis.set_yticks(ticks, [labels[tick] for tick in ticks])
+        for axis in axes[-COLUMNS:]:
+            axis.set_xlabel("part of the training (%)")
+        figure.colorbar(axes[0].images[0], ax=axes, label="episodes (%)", shrink=0.6)
+        return figure
+
+    rows = [
+        (title, part + 1, label, float(share[part, column]))
+        for title, share in shares.items()
+        for part in range(len(share))
+        for column, label in enumerate(labels)
+    ]
+    return Figure(
+        name="teachers-sampled",
+        label="",
+        title="Share of episodes on each variant over the training",
+        caption=("Episodes that ended in each twentieth of the training, over all networks.",),
+        alternative="One map per teacher: time to the right, variants upwards, dark where many "
+        "episodes were.",
+        legend=(),
+        panels=tuple(panels),
+        panel_width_px=340,
+        still=still,
+        data={
+            name: [row[index] for row in rows]
+            for index, name in enumerate(("teacher", "part", "variant", "share"))
+        },
+    )
+
+
+def _shares(counts: Sequence[Sequence[float]]) -> np.ndarray:
+    """Return each part's shares, NaN where no episode ended."""
+    found = np.asarray(counts, dtype=np.float64)
+    total = found.sum(axis=1, keepdims=True)
+    return np.where(total > 0, found / np.maximum(total, 1), np.nan)
