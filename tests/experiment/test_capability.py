@@ -46,7 +46,7 @@ def test_torque_factors_scale_every_servos_limit():
     assert robot.fbem_torque_nm == pytest.approx(2.0)
 
 
-def test_a_map_keeps_its_columns_and_refuses_another_configuration(tmp_path):
+def test_a_map_keeps_its_columns_takes_more_and_refuses_other_settings(tmp_path):
     path, said = tmp_path / "capability.json", []
     one = replace(SMALL, sizes_mm=(320.0,), frictions=(1.3, 1.0))
     map_capability(one, path, provenance={}, processes=1, say=said.append)
@@ -55,6 +55,15 @@ def test_a_map_keeps_its_columns_and_refuses_another_configuration(tmp_path):
     map_capability(one, path, provenance={}, processes=1, say=said.append)
     assert len(said) == 2  # nothing was left to do
     assert path.read_bytes() == written
+    more = replace(one, frictions=(1.0, 0.7))
+    map_capability(more, path, provenance={"machine": "B"}, processes=1, say=said.append)
+    assert len(said) == 3
+    found = json.loads(path.read_text())["columns"]
+    assert [(column["friction"], column["provenance"]) for column in found] == [
+        (0.7, {"machine": "B"}),
+        (1.0, {}),
+        (1.3, {}),
+    ]
     with pytest.raises(InputError, match="not a capability map of this configuration"):
         map_capability(SMALL, path, provenance={}, processes=1, say=said.append)
 

@@ -34,7 +34,8 @@ def capability(
     """Search for scripted manoeuvres and map which sizes they overcome.
 
     Writes capability.json (with every manoeuvre found) as the columns of the map end, and a figure
-    of it. Calling it again goes on with the columns that are missing.
+    of it. Calling it again goes on with the columns that are missing; other gears, frictions and
+    torques add columns to the map.
 
     Args:
         obstacle: The obstacle.

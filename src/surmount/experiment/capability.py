@@ -28,7 +28,9 @@ from surmount.envs.simulation import Simulation
 from surmount.robot import Gear, RobotConfig
 
 KIND = "capability map"
-SCHEMA = 1
+SCHEMA = 2
+PHYSICS = ("gears", "frictions", "torque_factors")
+"""Fields that say which columns a call adds; all else is common to the columns of a map."""
 GIVE_UP_AFTER = 2
 """Sizes in a row without success after which harder ones are taken to be infeasible."""
 TEMPLATE_STALL_S = 8.0
@@ -177,6 +179,8 @@ def map_capability(
 ) -> dict[str, Any]:
     """Explore every column, keeping each in ``path`` as it ends; what is there is not repeated.
 
+    Columns of further gears, frictions and torques join those of earlier calls.
+
     Parameters
     ----------
     config
@@ -184,7 +188,7 @@ def map_capability(
     path
         JSON file of the map, written anew as each column ends.
     provenance
-        Versions and machine, kept in the file.
+        Versions and machine, kept in every column.
     processes
         Worker processes of one thread.
     say
@@ -193,16 +197,15 @@ def map_capability(
     Raises
     ------
     InputError
-        If ``path`` holds a map of another configuration.
+        If ``path`` holds a map with other sizes, searches or settings.
     """
-    settings = asdict(config)
+    settings = {name: value for name, value in asdict(config).items() if name not in PHYSICS}
     key = record_hash(settings)
     record: dict[str, Any] = {
         "kind": KIND,
         "schema": SCHEMA,
         "key": key,
         "config": settings,
-        "provenance": dict(provenance),
         "columns": [],
     }
     if path.exists():
@@ -218,7 +221,7 @@ def map_capability(
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(explore, config, column) for column in todo]
         for future in as_completed(futures):
-            record["columns"].append(future.result())
+            record["columns"].append({**future.result(), "provenance": dict(provenance)})
             record["columns"].sort(key=_name)
             write_record(path, record)
             say(describe(future.result()))
