@@ -11,6 +11,8 @@ from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Box, Curriculum
 
 _SHOWN_BOXES = 3
+_FEWEST = 3
+"""Values that tell how far apart neighbours are."""
 
 
 def describe_curriculum(curriculum: Curriculum) -> list[str]:
@@ -53,12 +55,21 @@ def describe_variants(variants: FloatArray) -> str:
         span = Box(lower=variants.min(axis=0), upper=variants.max(axis=0), weight=1.0)
         return f"{variants.shape[0]} within {_describe_box(span)}"
     values = variants[:, 0]
-    if values.size < 3:
+    if values.size < _FEWEST:
         return ", ".join(f"{value:g}" for value in values)
-    step = np.diff(values).min()
-    runs = np.split(values, np.flatnonzero(np.diff(values) > 1.5 * step) + 1)
-    parts = [f"{run[0]:g}–{run[-1]:g}" if run.size > 1 else f"{run[0]:g}" for run in runs]
+    parts = [f"{run[0]:g}–{run[-1]:g}" if run.size > 1 else f"{run[0]:g}" for run in runs(values)]
     return f"{', '.join(parts)} ({values.size})"
+
+
+def runs(values: FloatArray) -> list[FloatArray]:
+    """Split ascending values where the next is further away than the nearest neighbours are.
+
+    Of two values nothing is known of what lies between: each is a run.
+    """
+    if values.size < _FEWEST:
+        return [values[i : i + 1] for i in range(values.size)]
+    gaps = np.diff(values)
+    return np.split(values, np.flatnonzero(gaps > 1.5 * gaps.min()) + 1)
 
 
 def table_lines(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

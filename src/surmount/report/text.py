@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from surmount.analysis.description import runs
 from surmount.core.arrays import FloatArray
 
 _LENGTHS_AND_ANGLES = {"mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
@@ -23,6 +24,8 @@ SPACE = "\N{NO-BREAK SPACE}"
 SIGNIFICANCE_LEVEL = 0.05
 """Level of all tests (paper III-E)."""
 
+MOST_RUNS = 4
+"""Runs of variants of a group that are written out."""
 LONGEST_NAME = 24
 """Characters of a name inside a plot; the page around it has the whole name."""
 
@@ -138,20 +141,28 @@ def variant_label(variant: FloatArray | Sequence[float]) -> str:
 
 
 def variant_range(parameters: Sequence[str], variants: FloatArray) -> str:
-    """Return the range of a group's variants, ``"55–95 mm"``, or how many there are."""
+    """Return the range of a group's variants, ``"55–95 mm"``, or its runs, ``"55, 70–95 mm"``."""
     if variants.shape[1] != 1:
         return "; ".join(
             f"{name_and_unit(name)[0]} {_range(variants[:, column], name)}"
             for column, name in enumerate(parameters)
         )
-    return _range(variants[:, 0], parameters[0])
+    parts = runs(variants[:, 0])
+    if len(parts) > MOST_RUNS:
+        return _range(variants[:, 0], parameters[0])
+    unit = name_and_unit(parameters[0])[1]
+    spans = ", ".join(_span(part) for part in parts)
+    return f"{spans}{SPACE}{unit}" if unit else spans
 
 
 def _range(values: FloatArray, parameter: str) -> str:
     unit = name_and_unit(parameter)[1]
+    return f"{_span(values)}{SPACE}{unit}" if unit else _span(values)
+
+
+def _span(values: FloatArray) -> str:
     low, high = float(values.min()), float(values.max())
-    span = f"{low:g}" if low == high else f"{low:g}–{high:g}"
-    return f"{span}{SPACE}{unit}" if unit else span
+    return f"{low:g}" if low == high else f"{low:g}–{high:g}"
 
 
 def listed(words: Sequence[str]) -> str:
