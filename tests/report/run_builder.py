@@ -19,7 +19,7 @@ from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import Episodes, RolloutOutcome, Teacher
 from surmount.core.trial_table import write_trials
 from surmount.core.trials import Trials
-from surmount.experiment import ExperimentConfig, preset
+from surmount.experiment import Depot, ExperimentConfig, preset
 from surmount.experiment.graph import StageContext, StageFunction
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.stages import analyse
@@ -126,7 +126,7 @@ class RunBuilder:
             for role, kind in roles.items()
         }
         task = StageTask(
-            root=self.root,
+            depot=Depot(root=self.root),
             name=name,
             key=record_hash([name, self.config.seed]),
             function=function,

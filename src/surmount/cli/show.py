@@ -12,6 +12,8 @@ from surmount.analysis.result_reading import KIND
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
 from surmount.core.records import read_record
+from surmount.core.run_folder import open_run
+from surmount.core.run_layout import ANALYSIS, RUN
 
 
 def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:
@@ -48,9 +50,9 @@ def _resolve(path: Path, *, why: bool) -> Path:
     if not path.is_dir():
         return path
     folder = path
-    if (path / "index.json").is_file():
-        stages = read_record(path / "index.json").get("stages", {})
-        folder = path / str(stages.get("analysis", ""))
+    if (path / RUN).is_file():
+        found = open_run(path).stages.get(ANALYSIS)
+        folder = path if found is None else found.folder
     name = "analysis.json" if why else "curriculum.json"
     if not (folder / name).is_file():
         raise InputError(

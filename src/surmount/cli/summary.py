@@ -6,17 +6,20 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import read_record
+from surmount.core.run_folder import open_run
+from surmount.core.run_layout import ANALYSIS, STATISTICS
 
 
 def print_summary(console: Console, root: Path) -> None:
     """Print groups, levels and the comparison of both arms."""
-    stages = read_record(root / "index.json")["stages"]
-    curriculum = Curriculum.load(root / stages["analysis"] / "curriculum.json")
-    statistics = read_record(root / stages["statistics"] / "statistics.json")
+    stages = open_run(root).stages
+    curriculum = Curriculum.load(stages[ANALYSIS].path("curriculum.json"))
+    statistics = read_record(stages[STATISTICS].path("statistics.json"))
     table = Table(title="Success by group", title_justify="left")
     for column in ("group", "variants", "initiation", "curriculum", "control", "test of equality"):
         table.add_column(column)
@@ -35,7 +38,7 @@ def print_summary(console: Console, root: Path) -> None:
         )
         span += f" ({len(group.variants)})"
         table.add_row(
-            group.name,
+            escape(group.name),
             span,
             _share(initial),
             _share(compared["arms"]["curriculum"]),
@@ -48,7 +51,8 @@ def print_summary(console: Console, root: Path) -> None:
             f"{group.name} {weight:.2f}"
             for group, weight in zip(curriculum.groups, level.weights, strict=True)
         )
-        console.print(f"level {number}, for {level.dominant}: {weights}", soft_wrap=True)
+        line = f"level {number}, for {level.dominant}: {weights}"
+        console.print(line, soft_wrap=True, markup=False)
     if not curriculum.levels:
         console.print("no levels: every group already succeeds, so nothing was left to learn")
 

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from surmount.core.errors import ConfigError
+from surmount.core.records import read_bytes
 
 Record = dict[str, Any]
 Config = TypeVar("Config")
@@ -74,25 +75,26 @@ def read_overrides(path: Path) -> dict[str, Any]:
         If the file cannot be read or is not TOML or JSON.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_bytes(path).decode("utf-8")
+    except (OSError, ValueError) as error:
         raise ConfigError(
             f"The configuration file {path} cannot be read ({error}).",
             remedy="Give the path of a readable TOML or JSON text file.",
         ) from error
     try:
         tree = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (json.JSONDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        flat = dict(_flatten(tree, prefix="")) if isinstance(tree, dict) else None
+    except (ValueError, RecursionError) as error:
         raise ConfigError(
             f"The configuration file {path} is not valid ({error}).",
             remedy="Correct the file; JSON files end in .json, all others are read as TOML.",
         ) from error
-    if not isinstance(tree, dict):
+    if flat is None:
         raise ConfigError(
             f"The configuration file {path} holds no table of keys.",
             remedy="Write keys and values, for example `learner.learning_rate = 1e-4`.",
         )
-    return dict(_flatten(cast(Record, tree), prefix=""))
+    return flat
 
 
 def dotted_keys(cls: type[object]) -> list[str]:
@@ -217,7 +219,7 @@ def _wrong_type(kind: object, value: object, key: str) -> ConfigError:
 def _parse(text: str) -> object:
     try:
         return json.loads(text)
-    except (json.JSONDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return text
 
 

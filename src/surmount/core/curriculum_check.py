@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from surmount.core.names import is_printable
+
 SCHEMA = 1
 _SUM_TOLERANCE = 1e-6
 """Weights written by hand with six digits must pass."""
@@ -99,7 +101,7 @@ def _is_number(value: object, low: float = -math.inf, high: float = math.inf) ->
 
 
 def _is_name(value: object) -> bool:
-    return isinstance(value, str) and bool(value.strip())
+    return isinstance(value, str) and bool(value.strip()) and is_printable(value)
 
 
 def _is_object(value: object) -> bool:

@@ -50,14 +50,25 @@ def read_record(path: Path) -> dict[str, Any]:
         If the file is missing, is not a plain file, is not JSON, or does not hold an object.
     """
     try:
-        if path.exists() and not path.is_file():  # a pipe or a device would never end
-            raise InputError(f"{path} is not a file.", remedy="Give the path of a JSON file.")
-        content = path.read_bytes()
+        content = read_bytes(path)
     except (OSError, ValueError) as error:
         raise InputError(
             f"{path} cannot be read ({error}).", remedy="Give the path of a readable JSON file."
         ) from error
     return parse_record(content, str(path))
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return a file's content.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, or is a pipe or a device, which would never end.
+    """
+    if path.exists() and not path.is_file():
+        raise OSError("it is not a file")
+    return path.read_bytes()
 
 
 def parse_record(content: bytes, source: str) -> dict[str, Any]:

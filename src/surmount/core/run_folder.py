@@ -9,8 +9,15 @@ from typing import Any, cast
 
 from surmount.core.errors import InputError, IntegrityError, OutputError
 from surmount.core.records import read_record
-from surmount.core.run_layout import INDEX, RUN, TIMINGS, expected_stages, read_run_record
-from surmount.core.store import MANIFEST, Artefact, ArtefactStore
+from surmount.core.run_layout import (
+    INDEX,
+    MOST_NETWORKS,
+    RUN,
+    TIMINGS,
+    expected_stages,
+    read_run_record,
+)
+from surmount.core.store import MANIFEST, Artefact, ArtefactStore, is_inside
 
 Record = dict[str, Any]
 
@@ -98,9 +105,9 @@ def open_run(root: Path) -> RunFolder:
             remedy="Give the --out folder of `surmount reproduce`.",
         )
     checked = cast(Record, config)
-    if not isinstance(checked["networks"], int) or checked["networks"] < 1:
+    if not isinstance(checked["networks"], int) or not 1 <= checked["networks"] <= MOST_NETWORKS:
         raise InputError(
-            f"{root / RUN} names {checked['networks']!r} networks.",
+            f"{root / RUN} names {str(checked['networks'])[:40]} networks.",
             remedy="Give the --out folder of `surmount reproduce`.",
         )
     stages = _stages(root)
@@ -135,9 +142,12 @@ def _stages(root: Path) -> dict[str, Artefact]:
 
 def _indexed(root: Path) -> dict[str, Path]:
     stages = read_run_record(root / INDEX).get("stages")
-    if not isinstance(stages, dict):
+    if not isinstance(stages, dict) or not all(
+        isinstance(folder, str) and is_inside(folder) for folder in stages.values()
+    ):
         raise InputError(
-            f"{root / INDEX} names no stages.", remedy="Run the same command again to write it."
+            f"{root / INDEX} names no stages, or such outside the folder.",
+            remedy="Run the same command again to write it.",
         )
     return {str(name): root / str(folder) for name, folder in cast(Record, stages).items()}
 

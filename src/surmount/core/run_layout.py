@@ -26,6 +26,9 @@ FILMS = "films/films.json"
 RESTARTS = "restarts.json"
 """How often each stage lost its worker and was run again, over all calls; absent if none was."""
 
+MOST_NETWORKS = 10_000
+"""Networks of a run at the most: more are a mistyped number, or a damaged file."""
+
 ARMS = ("curriculum", "control")
 """The two ways of going on from an initial network."""
 TRAININGS = ("initiation", *ARMS)

@@ -15,6 +15,8 @@ from __future__ import annotations
 import contextlib
 import errno
 import fcntl
+import os
+import re
 import secrets
 import shutil
 from collections.abc import Generator, Mapping
@@ -22,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surmount.core.errors import IntegrityError, OutputError
+from surmount.core.errors import IntegrityError, OutputError, SurmountError
 from surmount.core.records import (
     file_hash,
     read_record,
@@ -96,6 +98,11 @@ class ArtefactStore:
         folder = self._stage_folder(stage, key)
         if not folder.is_dir():
             return None
+        if folder.is_symlink():
+            raise IntegrityError(
+                f"{folder} is a link, not a folder of this run.",
+                remedy=f"Remove {folder} and run again: only this stage is repeated.",
+            )
         manifest = read_record(folder / MANIFEST) if (folder / MANIFEST).is_file() else {}
         files = manifest.get("files")
         if manifest.get("key") != key or manifest.get("stage") != stage or not is_index(files):
@@ -192,12 +199,13 @@ class ArtefactStore:
 def is_index(files: Any) -> bool:
     """Whether this maps names of files, all inside their folder, to hashes."""
     return isinstance(files, dict) and all(
-        isinstance(name, str) and isinstance(digest, str) and _is_inside(name) and _is_hash(digest)
+        isinstance(name, str) and isinstance(digest, str) and is_inside(name) and _is_hash(digest)
         for name, digest in files.items()
     )
 
 
-def _is_inside(name: str) -> bool:
+def is_inside(name: str) -> bool:
+    """Whether a relative path with forward slashes stays within its folder."""
     parts = name.split("/")
     return not set(parts) & {"", ".", ".."} and "\\" not in name and "\0" not in name
 
@@ -213,10 +221,11 @@ def sole_user(root: Path) -> Generator[None]:
     Raises
     ------
     OutputError
-        If the folder cannot be written, or another process is using it.
+        If the folder cannot be written, another process is using it, or a link in it leads out.
     """
     with output_errors(root):
         root.mkdir(parents=True, exist_ok=True)
+        refuse_links(root)
         lock = (root / ".lock").open("w", encoding="utf-8")
     with lock:
         try:
@@ -227,6 +236,24 @@ def sole_user(root: Path) -> Generator[None]:
                 remedy="Wait for it to end, stop it, or choose another --out folder.",
             ) from error
         yield
+
+
+def refuse_links(root: Path) -> None:
+    """Refuse an output folder in which a link could lead what is written out of it.
+
+    Raises
+    ------
+    OutputError
+        Naming the first link.
+    """
+    for folder, names, files in os.walk(root):
+        for name in (*names, *files):
+            path = Path(folder, name)
+            if path.is_symlink():
+                raise OutputError(
+                    f"{path} is a link: what is written there would leave the output folder.",
+                    remedy="Remove the link, or give the folder it leads to as --out.",
+                )
 
 
 _OUTPUT_ERRNOS = {
@@ -241,6 +268,10 @@ _OUTPUT_ERRNOS = {
         "Choose an --out folder in a place that exists, and leave it alone while it is used.",
     ),
     errno.ENAMETOOLONG: ("has too long a name", "Choose a shorter --out path."),
+    errno.EFBIG: (
+        "may not hold so large a file",
+        "Raise the limit on the size of files, or choose an --out folder elsewhere.",
+    ),
     errno.EIO: ("is on a failing disk", "Choose an --out folder on another disk."),
     errno.EEXIST: ("is not a folder", "Choose an --out path that is a folder or does not exist."),
 }
@@ -251,9 +282,21 @@ def output_errors(root: Path) -> Generator[None]:
     """Turn the operating system's refusals to write into an :class:`OutputError`."""
     try:
         yield
-    except OSError as error:
-        if error.errno not in _OUTPUT_ERRNOS:
+    except SurmountError:
+        raise
+    except Exception as error:
+        number = _errno(error)
+        if number not in _OUTPUT_ERRNOS:
             raise
-        what, remedy = _OUTPUT_ERRNOS[error.errno]
-        place = "" if error.filename in (None, str(root)) else f" ({error.filename})"
+        what, remedy = _OUTPUT_ERRNOS[number]
+        name = getattr(error, "filename", None)
+        place = "" if name in (None, str(root)) else f" ({name})"
         raise OutputError(f"The output folder {root} {what}{place}.", remedy=remedy) from error
+
+
+def _errno(error: Exception) -> int | None:
+    """Return the operating system's number of an error, also where a library wrapped it."""
+    if isinstance(error, OSError):
+        return error.errno
+    wrapped = re.search(r"\(os error (\d+)\)", str(error))  # as Rust's libraries print it
+    return int(wrapped[1]) if wrapped else None

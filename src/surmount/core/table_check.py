@@ -12,6 +12,7 @@ from surmount.core import column_values
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.coded_column import Coded, coded_combinations
 from surmount.core.errors import InputError
+from surmount.core.names import LONGEST_NAME, is_printable
 from surmount.core.table_file import Column, FileColumns
 from surmount.core.table_problems import Problems
 
@@ -182,6 +183,13 @@ def _check_names(names: Sequence[str], problems: Problems) -> None:
         )
     if any(not name.strip() or name == "variant." for name in names):
         problems.add("a column has no name", "Name it, or remove it.")
+    unfit = [name for name in names if not is_printable(name)]
+    if unfit:
+        problems.add(
+            f"the name of column {unfit[0][:40]!r} has control characters or over "
+            f"{LONGEST_NAME} characters",
+            "Give it a short name of letters and digits.",
+        )
     if all(_is_parameter(name) or name in _KEYS for name in names):
         problems.add("there is no feature column", "Log at least one feature per control step.")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import secrets
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
@@ -17,6 +18,9 @@ Column = np.ndarray[Any, Any]
 _CSV_PIECE_ROWS = 20_000
 """Rows parsed at once: as text they take some 60 bytes an entry."""
 _WRITE_PIECE_ROWS = 100_000
+BYTES_PER_ENTRY = 8
+MOST_ROWS = 2**31 - 1
+"""Rows are numbered in 32 bits."""
 TABLE_SCHEMA = "1"
 _SCHEMA_KEY = "surmount.trials"
 _OTHER_SEPARATORS = ";\t|"
@@ -66,6 +70,8 @@ def read_columns(path: Path) -> FileColumns:
     MissingExtraError
         If polars is needed and not installed.
     """
+    if path.exists() and not path.is_file():  # a pipe or a device would never end
+        raise InputError(f"{path} is not a file.", remedy="Give the path of a table.")
     if _kind(path) == "parquet":
         return _read_parquet(path)
     try:
@@ -84,7 +90,7 @@ def write_columns(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> No
     """Write columns of equal length as Parquet or CSV, whole or not at all."""
     kind = _kind(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
         if kind == "parquet":
             polars = _polars()
@@ -127,6 +133,7 @@ def _read_parquet(path: Path) -> FileColumns:
         n_rows = int(lazy.select(polars.len()).collect().item())
     except (OSError, polars.exceptions.PolarsError, polars.exceptions.PanicException) as error:
         raise _unreadable(path, error) from error
+    _require_memory(path, n_rows, len(types))
     if version != TABLE_SCHEMA:
         raise InputError(
             f"{path} is a table of trials of version {version}; this Surmount reads "
@@ -150,6 +157,18 @@ def _read_parquet(path: Path) -> FileColumns:
         return column
 
     return FileColumns(list(types), n_rows, take)
+
+
+def _require_memory(path: Path, n_rows: int, n_columns: int) -> None:
+    """Refuse a table that cannot fit: a few bytes of Parquet can stand for billions of rows."""
+    needed = BYTES_PER_ENTRY * n_rows * n_columns
+    present = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if n_rows > MOST_ROWS or needed > present:
+        raise InputError(
+            f"{path} holds {n_rows:,} rows of {n_columns:,} columns: {needed / 1e9:,.0f} GB, and "
+            f"this machine has {present / 1e9:,.0f} GB.",
+            remedy="Log fewer steps or features, or use a machine with more memory.",
+        )
 
 
 def _read_csv(rows: Iterator[list[str]], path: Path) -> FileColumns:

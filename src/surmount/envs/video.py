@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import os
+import secrets
 from collections.abc import Callable, Generator, Iterable, Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -138,7 +138,7 @@ def _appearing(path: Path, *, publish: bool = True) -> Generator[Path]:
     """Give a file to write to that takes its place when it is complete."""
     if path.is_dir():
         raise OutputError(f"{path} is a folder.", remedy="Give the name of a file.")
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     with output_errors(path.parent):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:

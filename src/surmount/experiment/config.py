@@ -6,9 +6,13 @@ from dataclasses import dataclass, field
 
 from surmount.analysis import AnalysisConfig
 from surmount.core.errors import ConfigError
+from surmount.core.run_layout import MOST_NETWORKS
 from surmount.envs import EnvConfig
 from surmount.learn import LearnerConfig, RolloutConfig
 from surmount.teachers import AdvancementConfig
+
+MOST_STEPS = 10**12
+"""Beyond any run; a mistyped number is told before it fills the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,11 +62,17 @@ class ExperimentConfig:
     """Roll-outs that test the trained networks."""
 
     def __post_init__(self) -> None:
-        for name, least in (("networks", 1), ("initial_steps", 0), ("checkpoint_steps", 1)):
+        for name, least, most in (
+            ("networks", 1, MOST_NETWORKS),
+            ("initial_steps", 0, MOST_STEPS),
+            ("checkpoint_steps", 1, MOST_STEPS),
+        ):
             if getattr(self, name) < least:
                 raise ConfigError(
                     f"`{name}` is {getattr(self, name)}.", remedy=f"Give at least {least}."
                 )
+            if getattr(self, name) > most:
+                raise ConfigError(f"`{name}` is too large.", remedy=f"Give at most {most:,}.")
         if not 0 <= self.seed < 2**31:
             raise ConfigError(
                 f"`seed` is {self.seed}.", remedy="Give a number from 0 to 2147483647."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from surmount.core.monitor import Interrupted, Monitor
@@ -33,8 +33,8 @@ class StageTask:
     function: StageFunction
     config: Mapping[str, Any]
     seed: int
-    resources: Resources
     inputs: Mapping[str, tuple[Artefact, ...]]
+    resources: Resources = field(default_factory=Resources)
 
     def at(self, depot: Depot) -> StageTask:
         """Return the same task with its files in another place."""

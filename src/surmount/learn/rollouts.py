@@ -16,7 +16,12 @@ from surmount.core.errors import ConfigError, InputError
 from surmount.core.monitor import Interrupted, Monitor, Progress
 from surmount.core.trials import Trials
 from surmount.learn.perceptron import ACTIVATIONS
-from surmount.learn.snapshot import Snapshot, missing_weights, policy_weights
+from surmount.learn.snapshot import (
+    Snapshot,
+    check_architecture,
+    missing_weights,
+    policy_weights,
+)
 from surmount.learn.task_env import TaskVectorEnv
 
 CLIP_OBSERVATION = 10.0
@@ -61,6 +66,7 @@ class Actor:
         action_space: gymnasium.spaces.Box,
     ) -> None:
         record = network.record
+        check_architecture(network)
         self._policy = ActorCriticPolicy(
             observation_space,
             action_space,

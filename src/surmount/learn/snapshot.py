@@ -22,6 +22,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from surmount.core.errors import InputError, IntegrityError, SurmountError
 from surmount.core.records import canonical_json, parse_record, write_atomically
+from surmount.learn.perceptron import ACTIVATIONS
 
 Tensors = dict[str, np.ndarray]
 SCHEMA = 1
@@ -94,6 +95,44 @@ class Snapshot:
                 remedy="Read it with the version of Surmount that wrote it.",
             )
         return cls(tensors=tensors, record=found)
+
+
+def check_architecture(network: Snapshot) -> None:
+    """Refuse a network whose record does not describe its tensors, before anything is built.
+
+    Raises
+    ------
+    InputError
+        If the record names layers that the file does not hold, or numbers are not finite.
+    """
+    layers = network.record.get("hidden_layers")
+    flags = network.record.get("normalise_observations")
+    kind = network.record.get("activation")
+    widths = [
+        network.tensors[name].shape[0]
+        for index in range(len(network.tensors))
+        if (name := f"policy/mlp_extractor.policy_net.{2 * index}.weight") in network.tensors
+    ]
+    if layers != widths or kind not in ACTIVATIONS or not isinstance(flags, bool):
+        raise InputError(
+            f"The network's record describes layers {str(layers)[:80]} of kind {str(kind)[:40]}, "
+            f"its tensors are {widths}.",
+            remedy="Give a `network.safetensors` that Surmount wrote.",
+        )
+    if flags and not {f"normaliser/observation/{n}" for n in ("mean", "var")} <= set(
+        network.tensors
+    ):
+        raise InputError(
+            "The network normalises observations, and the file does not say how.",
+            remedy="Give a `network.safetensors` that Surmount wrote.",
+        )
+    if not all(
+        np.isfinite(value).all() for name, value in network.tensors.items() if name[:7] == "policy/"
+    ):
+        raise InputError(
+            "The network has weights that are not finite.",
+            remedy="Give another network, or train it anew.",
+        )
 
 
 def _seal(tensors: Mapping[str, np.ndarray], record: str) -> str:

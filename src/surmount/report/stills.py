@@ -98,11 +98,15 @@ def write_still(folder: Path, name: str, files: StillFiles, data: Columns) -> No
     write_atomically(folder / f"{name}.csv", csv_text(data).encode())
 
 
+FORMULA_MARKS = ("=", "+", "-", "@", "\t", "\r")
+"""A text that begins so is a formula to spreadsheets, and may run a program."""
+
+
 def csv_text(columns: Columns) -> str:
-    """Return data as CSV; an undefined value is an empty cell."""
+    """Return data as CSV; an undefined value is an empty cell, and no text is a formula."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
+    writer.writerow(map(_cell, columns))
     writer.writerows(zip(*(map(_cell, column) for column in columns.values()), strict=True))
     return text.getvalue()
 
@@ -114,4 +118,6 @@ def _cell(value: object) -> object:
         return _cell(value.item())
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, str) and value.startswith(FORMULA_MARKS):
+        return f"'{value}"
     return repr(value) if isinstance(value, float) else value

@@ -8,7 +8,7 @@ from typing import Any
 
 from surmount.analysis import Analysis
 from surmount.core.records import write_atomically
-from surmount.core.store import output_errors
+from surmount.core.store import output_errors, refuse_links
 from surmount.report.analysis_page import document_of_analysis
 from surmount.report.contents import document_of
 from surmount.report.document import Figure
@@ -23,6 +23,8 @@ FIGURES = "figures"
 
 def write_run_report(root: Path) -> Path:
     """Write the page and the figures of a run; see :func:`surmount.report.write_report`."""
+    with output_errors(root):
+        refuse_links(root)
     document = document_of(read_run(root))
     with output_errors(root):
         stills = _write_figures(document.figures(), root / FIGURES)
