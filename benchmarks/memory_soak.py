@@ -4,7 +4,7 @@
 
 Trains on the low entrance through the shipped trainer, with checkpoints, and reads the resident
 memory of the process (``/proc/self/statm``) after every roll-out. Networks are small and decisions
-long, so that the steps are affordable; what could grow (history, episodes, checkpoints, logger) is
+short (two ticks of physics), so that the steps are affordable; what could grow (history, episodes, checkpoints, logger) is
 what a long run has. Writes the readings as CSV and a figure.
 """
 
@@ -28,12 +28,13 @@ from surmount.learn import Checkpointing, Trainer
 from surmount.teachers import UniformTeacher
 
 CHANGES = {
-    "env.decision_interval_s": 0.1,
-    "env.episode_s": 10.0,
+    "env.decision_interval_s": 0.005,
+    "env.episode_s": 1.0,
+    "learner.num_envs": 64,
     "learner.hidden_layers": [16, 16],
-    "learner.rollout_steps": 1024,
-    "learner.batch_size": 9216,
-    "learner.epochs": 2,
+    "learner.rollout_steps": 512,
+    "learner.batch_size": 32768,
+    "learner.epochs": 1,
 }
 PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 SETTLED = 0.1
@@ -74,7 +75,7 @@ def main() -> None:
         reader = Reader(file)
         trainer = Trainer(env, teacher, config.learner, seed=0, log_folder=chosen.out / "logs")
         checkpointing = Checkpointing(
-            path=chosen.out / "checkpoint.safetensors", interval_steps=100_000
+            path=chosen.out / "checkpoint.safetensors", interval_steps=300_000
         )
         training = trainer.run(reader, checkpointing)
     steps, seconds, memory = np.array(reader.rows).T
