@@ -57,6 +57,8 @@ VERBS = (
     "check",
     "compare",
     "analyze",
+    "convert",
+    "export",
     "report",
     "show",
     "evaluate",

@@ -1,0 +1,112 @@
+"""Curricula as tables and as Python files for other frameworks."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from importlib import resources
+
+from surmount.core.configuration import nearest
+from surmount.core.curriculum import Curriculum
+from surmount.core.errors import ConfigError
+from surmount.exports.export import Export
+from surmount.exports.ml_agents import export_ml_agents
+
+_EQ5 = (
+    "The file holds levels and the defaults of eq. 5's test; change the lengths at its top to "
+    "those of your training."
+)
+
+
+def export_table(curriculum: Curriculum) -> Export:
+    """Return one row per level and box, with the probability and the bounds."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    names = curriculum.parameters
+    writer.writerow(
+        ["level", "dominant", "group", "weight", *(f"{name}_lower" for name in names),
+         *(f"{name}_upper" for name in names)]
+    )  # fmt: skip
+    for number, level in enumerate(curriculum.levels, 1):
+        for group, weight in zip(curriculum.groups, level.weights, strict=True):
+            total = sum(box.weight for box in group.boxes)
+            for box in group.boxes:
+                if weight * box.weight > 0:
+                    share = weight * box.weight / total
+                    writer.writerow(
+                        [number, level.dominant, group.name, share, *box.lower.tolist(),
+                         *box.upper.tolist()]
+                    )  # fmt: skip
+    return Export(
+        files={"curriculum.csv": text.getvalue()},
+        notes=("A table holds levels, weights and bounds, not when to go on to the next level.",),
+    )
+
+
+def export_sb3(curriculum: Curriculum) -> Export:
+    """Return a Python file with a wrapper and a callback that need no Surmount."""
+    return Export(
+        files={"curriculum_sb3.py": _filled("sb3_curriculum.txt", curriculum)},
+        notes=(
+            "curriculum_sb3.py needs Stable-Baselines3, Gymnasium and NumPy, not Surmount.",
+            _EQ5,
+        ),
+    )
+
+
+def export_syllabus(curriculum: Curriculum) -> Export:
+    """Return a Python file that makes a Syllabus curriculum."""
+    return Export(
+        files={"curriculum_syllabus.py": _filled("syllabus_curriculum.txt", curriculum)},
+        notes=(
+            "curriculum_syllabus.py needs Syllabus, not Surmount.",
+            "Its tasks are indices of boxes: draw each parameter uniformly within the bounds.",
+            "Syllabus tells of episodes, not of steps: eq. 5 compares sums of returns there.",
+        ),
+    )
+
+
+FORMATS: dict[str, Callable[[Curriculum], Export]] = {
+    "ml-agents": export_ml_agents,
+    "syllabus": export_syllabus,
+    "sb3": export_sb3,
+    "csv": export_table,
+}
+"""By the name that the command line takes."""
+
+
+def export_curriculum(curriculum: Curriculum, to: str) -> Export:
+    """Return a curriculum in a format.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such format.
+    """
+    if to not in FORMATS:
+        raise ConfigError(f"Unknown format `{to}`.", remedy=nearest(to, [*FORMATS]))
+    return FORMATS[to](curriculum)
+
+
+def _filled(template: str, curriculum: Curriculum) -> str:
+    levels = [
+        dict(curriculum.level_distribution(level).to_record())
+        for level in range(curriculum.n_levels)
+    ]
+    boxes = json.dumps(
+        [
+            {
+                "dominant": curriculum.levels[index].dominant,
+                "weights": level["weights"],
+                "lower": level["lower"],
+                "upper": level["upper"],
+            }
+            for index, level in enumerate(levels)
+        ],
+        indent=4,
+    )
+    text = resources.files("surmount.exports").joinpath(template).read_text(encoding="utf-8")
+    names = json.dumps(list(curriculum.parameters))
+    return text.replace("__PARAMETERS__", names).replace("__LEVELS__", boxes)

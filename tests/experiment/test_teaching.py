@@ -1,0 +1,121 @@
+"""Teachers compared on an environment of somebody: equal budgets, counted from what happened."""
+
+from __future__ import annotations
+
+import numpy as np
+import polars as pl
+import pytest
+from small import SMALL, Watcher, small_config
+
+from surmount.core.configuration import override
+from surmount.core.errors import ConfigError
+from surmount.core.records import read_record
+from surmount.core.trial_table import read_trials
+from surmount.experiment import begin, make_executor, preset, run
+from surmount.experiment.teacher_statistics import success_in_training
+from surmount.experiment.teaching import comparison_graph, training_stage
+from surmount.experiment.teaching import test_stage as stage_of_test
+from surmount.report.teachers_page import write_teachers_report
+from surmount.stats import Bootstrap, bootstrap_interval
+from surmount.teachers import TeachersConfig
+
+OWN = {key: value for key, value in SMALL.items() if not key.startswith("env.")}
+TEACHING = override(TeachersConfig(), {"alp_gmm.fit_episodes": 20})
+
+
+def call(root, config, teachers):
+    begin(root, config)
+    watcher = Watcher()
+    executor = make_executor(0, watcher.listen)
+    graph = comparison_graph(config, teachers, TEACHING)
+    return run(root, config, executor, watcher, stages=graph), watcher
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    root = tmp_path_factory.mktemp("compared")
+    config = override(preset("own_point:make_env", "smoke"), OWN)
+    outcome, watcher = call(root, config, ("plr",))
+    return root, config, outcome, watcher
+
+
+def record_of(outcome):
+    return read_record(outcome.artefacts["teachers"].path("teachers.json"))
+
+
+def test_the_whole_protocol_runs_on_somebodys_own_environment(compared):
+    _, _, outcome, _ = compared
+    trials = read_trials(outcome.artefacts["trials/network-0"].path("trials.parquet"))
+    variants, index = trials.variants()
+    assert trials.parameters == ("distance_m", "wind")
+    assert len(variants) == 12
+    assert np.bincount(index).tolist() == [2] * 12
+    assert trials.feature_names == ("time_s", "position_m")
+    statistics = read_record(outcome.artefacts["statistics"].path("statistics.json"))
+    assert statistics["cap_s"] == pytest.approx(12 / 20)  # decisions at 20 per second
+
+
+def test_every_teacher_trains_as_long_as_the_papers_from_the_same_networks(compared):
+    _, _, outcome, _ = compared
+    record = record_of(outcome)
+    assert [teacher["name"] for teacher in record["teachers"]] == ["paper", "uniform", "plr"]
+    steps = [teacher["steps"] for teacher in record["teachers"]]
+    assert steps[0] == steps[1] == steps[2]
+    assert min(steps[0]) > 0
+
+
+def test_scores_and_what_was_sampled_are_counted_from_the_files(compared):
+    _, _, outcome, _ = compared
+    record = record_of(outcome)
+    for teacher in record["teachers"]:
+        name = teacher["name"]
+        for network in range(2):
+            artefact = outcome.artefacts[stage_of_test(name, network)]
+            trials = read_trials(artefact.path("trials.parquet"))
+            assert trials.success.mean() == pytest.approx(np.mean(teacher["success"][network]))
+        episodes = [
+            pl.read_parquet(outcome.artefacts[training_stage(name, i)].path("episodes.parquet"))
+            for i in range(2)
+        ]
+        assert np.sum(teacher["sampled"]) == sum(len(table) for table in episodes)
+        scores = np.array(teacher["success"])
+        whole = bootstrap_interval(scores, Bootstrap(seed=0))
+        assert teacher["interquartile_mean"]["estimate"] == pytest.approx(whole.estimate)
+    assert record["teachers"][2]["against"].keys() == {"paper", "uniform"}
+
+
+def test_another_teacher_is_added_without_repeating_anything(compared):
+    root, config, _, _ = compared
+    outcome, watcher = call(root, config, ("plr", "alp-gmm"))
+    assert set(watcher.started) == {
+        *(training_stage("alp-gmm", network) for network in range(2)),
+        *(stage_of_test("alp-gmm", network) for network in range(2)),
+        "teachers",
+    }
+    page = write_teachers_report(record_of(outcome), root)
+    text = page.read_text(encoding="utf-8")
+    assert "prioritised level replay (Jiang et al. 2021)" in text
+    assert "Too few networks" in text
+    assert (root / "figures" / "teachers-sampled.csv").is_file()
+
+
+def test_a_changed_file_of_the_environment_is_another_experiment(tmp_path):
+    config = override(preset("own_point:make_env", "smoke"), OWN)
+    changed = override(config, {"own_sha256": "0" * 64})
+    with pytest.raises(ConfigError, match="has changed since"):
+        comparison_graph(changed, (), TEACHING)
+
+
+def test_settings_of_one_teacher_repeat_no_other():
+    config = small_config("step")
+    other = override(TEACHING, {"plr.temperature": 0.5})
+    graphs = [comparison_graph(config, ("plr", "alp-gmm"), each) for each in (TEACHING, other)]
+    changed = [one.name for one, two in zip(*graphs, strict=True) if one.config != two.config]
+    assert changed == ["teach/plr/network-0", "teach/plr/network-1"]
+
+
+def test_success_in_training_is_that_of_the_newest_episodes():
+    steps = np.arange(1, 101)
+    success = steps > 50
+    rates = success_in_training(steps, success, np.array([5, 50, 60, 100]))
+    np.testing.assert_allclose(rates, [0.0, 0.0, 10 / 30, 1.0])
