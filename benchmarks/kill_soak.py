@@ -51,7 +51,7 @@ CHANGES = {
 WENT_ON = "went on from the checkpoint at "
 
 
-class Watcher:
+class Watcher:  # as `RunObserver` describes it
     """Writes what stages tell to a file that outlives the kill."""
 
     def __init__(self, path: Path) -> None:

@@ -4,8 +4,8 @@
 
 Trains on the low entrance through the shipped trainer, with checkpoints, and reads the resident
 memory of the process (``/proc/self/statm``) after every roll-out. Networks are small and decisions
-short (two ticks of physics), so that the steps are affordable; what could grow (history, episodes, checkpoints, logger) is
-what a long run has. Writes the readings as CSV and a figure.
+short (two ticks of physics), so that the steps are affordable; what could grow (history, episodes,
+checkpoints, logger) is what a long run has. Writes the readings as CSV and a figure.
 """
 
 from __future__ import annotations
@@ -81,9 +81,10 @@ def main() -> None:
     steps, seconds, memory = np.array(reader.rows).T
     settled = steps >= SETTLED * steps[-1]
     slope = np.polyfit(steps[settled], memory[settled], 1)[0] * 1e6
-    print(f"{steps[-1]:,.0f} steps in {seconds[-1]:,.0f} s, {training.history.episodes.step.size:,} "
-          f"episodes; {memory[settled][0]:.1f} MB after a tenth, {memory[-1]:.1f} MB at the end, "
-          f"largest {memory.max():.1f} MB; {slope:+.3f} MB per million steps")  # fmt: skip
+    episodes = training.history.episodes.step.size
+    print(f"{steps[-1]:,.0f} steps in {seconds[-1]:,.0f} s, {episodes:,} episodes")
+    print(f"{memory[settled][0]:.1f} MB after a tenth, {memory[-1]:.1f} MB at the end, at most "
+          f"{memory.max():.1f} MB; {slope:+.3f} MB per million steps")  # fmt: skip
     draw(steps, memory, chosen.out / "memory.png")
 
 
