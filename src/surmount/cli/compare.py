@@ -13,10 +13,11 @@ from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.reproduce import stop_on_signals
+from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.records import read_record
 from surmount.core.store import sole_user
-from surmount.experiment import begin, make_executor, preset, run
+from surmount.experiment import begin, preset, refuse_other, run
 from surmount.experiment.teacher_statistics import FILE
 from surmount.experiment.teaching import COMPARISON, comparison_graph
 from surmount.report import write_report
@@ -43,7 +44,7 @@ def compare(
     scale: Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")] = "smoke",
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
-    processes: int = 2,
+    workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
 ) -> int:
     """Train the same initial networks on by several teachers, as long as the paper's took.
 
@@ -60,7 +61,7 @@ def compare(
         config: TOML or JSON file of configuration keys to change; see `surmount config`.
         set: Configuration key to change, as key=value; may be repeated; overrides the file. A
             teacher's own settings begin with teaching, such as teaching.plr.temperature=0.3.
-        processes: Worker processes of one thread each; 0 runs everything in this process.
+        workers: Where stages run.
     """
     changes = overrides(config, set)
     own = {key.removeprefix(TEACHING): changes.pop(key) for key in [*changes]
@@ -70,15 +71,27 @@ def compare(
         changes["networks"] = seeds
     chosen = override(preset(task, scale), changes)
     graph = comparison_graph(chosen, teachers, teaching)
-    begin(out, chosen)
+    workers.check()
+    refuse_other(out, chosen)
     console = Console()
-    with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
-        executor = make_executor(processes, display.listen)
-        try:
-            with stop_on_signals(display.note) as on_ready:
-                outcome = run(out, chosen, executor, display, on_ready=on_ready, stages=graph)
-        finally:
-            executor.close()
+    with sole_user(out):
+        begin(out, chosen)
+        with RunDisplay(console, out / "logs" / "run.log") as display:
+            executor = workers.make(display.listen)
+            try:
+                with stop_on_signals(display.note) as on_ready:
+                    outcome = run(
+                        out,
+                        chosen,
+                        executor,
+                        display,
+                        on_ready=on_ready,
+                        stages=graph,
+                        url=workers.store,
+                        retries=workers.retries,
+                    )
+            finally:
+                executor.close()
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED

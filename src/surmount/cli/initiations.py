@@ -11,9 +11,10 @@ from rich.console import Console
 from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.reproduce import stop_on_signals
+from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
 from surmount.core.store import output_errors, sole_user
-from surmount.experiment import GraphRunner, make_executor
+from surmount.experiment import Depot, GraphRunner
 from surmount.experiment.initiation_map import initiation_stages, read_settings, summarise
 from surmount.experiment.provenance import machine, versions
 from surmount.report.initiation_figure import write_initiation_figure
@@ -25,7 +26,7 @@ def initiations(
     settings: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")],
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
-    processes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
+    workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
 ) -> int:
     """Train initial networks under many settings and compare their success with table 1.
 
@@ -35,14 +36,16 @@ def initiations(
     Args:
         settings: TOML file with a table [common] and one [settings.NAME] per setting.
         out: Folder for networks, trials and the map.
-        processes: Worker processes of one thread each; one per core if left out; 0 is in-process.
+        workers: Where stages run.
     """
+    workers.check()
     chosen = read_settings(settings)
     graph = initiation_stages(chosen)
     console = Console()
     with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
-        executor = make_executor(processes, display.listen)
-        runner = GraphRunner(out, graph, executor, display)
+        executor = workers.make(display.listen)
+        depot = Depot(root=out, url=workers.store)
+        runner = GraphRunner(out, graph, executor, display, depot=depot, retries=workers.retries)
         try:
             with stop_on_signals(display.note) as on_ready, output_errors(out):
                 on_ready(runner)

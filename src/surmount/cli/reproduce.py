@@ -18,6 +18,7 @@ from surmount.cli.films import films
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.summary import print_summary
+from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
 from surmount.core.store import sole_user
@@ -26,12 +27,10 @@ from surmount.experiment import (
     GraphRunner,
     begin,
     load_config,
-    make_executor,
     preset,
     refuse_other,
     run,
 )
-from surmount.experiment.runner import RETRIES
 from surmount.report import write_report
 
 
@@ -48,11 +47,7 @@ def reproduce(
     resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
-    executor: Annotated[str, tyro.conf.arg(metavar="{in-process,processes,ray}")] = "processes",
-    processes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
-    address: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None,
-    store: Annotated[str | None, tyro.conf.arg(metavar="URL")] = None,
-    retries: Annotated[int, tyro.conf.arg(metavar="N")] = RETRIES,
+    workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
 ) -> int:
     """Run the paper's protocol on one obstacle, from the first learning step to the report.
 
@@ -68,33 +63,33 @@ def reproduce(
         resume: Go on with the run in --out, with its stored configuration.
         config: TOML or JSON file of configuration keys to change; see `surmount config`.
         set: Configuration key to change, as key=value; may be repeated; overrides the file.
-        executor: Where stages run: in this process, in local worker processes, or on Ray.
-        processes: Worker processes of one thread each; one per core if left out; 0 is in-process.
-        address: Head of a running Ray cluster; without it, Ray is started on this machine.
-        store: Object store (any fsspec URL) that keeps the same stages as --out, for workers that
-            do not see that folder, and to go on elsewhere.
-        retries: How often a stage is run again, from its checkpoint, after its worker was killed.
+        workers: Where stages run.
     """
     changes = overrides(config, set)
     if seeds is not None:
         changes["networks"] = seeds
     chosen = _stored(out, obstacle) if resume else _preset(obstacle, preset)
     chosen = override(chosen, changes)
-    if retries < 0:
-        raise ConfigError(f"`--retries` is {retries}.", remedy="Give 0 or more.")
+    workers.check()
     refuse_other(out, chosen)
     console = Console()
     with sole_user(out):
         begin(out, chosen)
         with RunDisplay(console, out / "logs" / "run.log") as display:
-            where = make_executor(processes, display.listen, kind=executor, address=address)
+            executor = workers.make(display.listen)
             try:
                 with stop_on_signals(display.note) as on_ready:
                     outcome = run(
-                        out, chosen, where, display, on_ready=on_ready, url=store, retries=retries
+                        out,
+                        chosen,
+                        executor,
+                        display,
+                        on_ready=on_ready,
+                        url=workers.store,
+                        retries=workers.retries,
                     )
             finally:
-                where.close()
+                executor.close()
     if outcome.interrupted:
         console.print(f"Stopped. Go on with: surmount reproduce --resume --out {out}")
         return INTERRUPTED
