@@ -17,7 +17,7 @@ from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.report.teachers_page import write_teachers_report
 from surmount.stats import Bootstrap, bootstrap_interval
-from surmount.teachers import TeachersConfig
+from surmount.teachers import TEACHERS, TeachersConfig
 
 OWN = {key: value for key, value in SMALL.items() if not key.startswith("env.")}
 TEACHING = override(TeachersConfig(), {"alp_gmm.fit_episodes": 20})
@@ -119,3 +119,11 @@ def test_success_in_training_is_that_of_the_newest_episodes():
     success = steps > 50
     rates = success_in_training(steps, success, np.array([5, 50, 60, 100]))
     np.testing.assert_allclose(rates, [0.0, 0.0, 10 / 30, 1.0])
+
+
+@pytest.mark.slow
+def test_every_teacher_of_the_catalogue_trains_on_the_step(tmp_path):
+    outcome, _ = call(tmp_path, small_config("step"), tuple(TEACHERS))
+    record = record_of(outcome)
+    assert [teacher["name"] for teacher in record["teachers"]] == [*TEACHERS]
+    assert len({tuple(teacher["steps"]) for teacher in record["teachers"]}) == 1

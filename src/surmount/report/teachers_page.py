@@ -281,7 +281,7 @@ def _sampled_figure(record: Record) -> Figure:
                 vmax=100 * top,
                 cmap="Blues",
             )
-            axis.set_title(title)
+            axis.set_title(title, fontsize=7)
             axis.set_yticks(ticks, [labels[tick] for tick in ticks])
         for axis in axes[-COLUMNS:]:
             axis.set_xlabel("part of the training (%)")
