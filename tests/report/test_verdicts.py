@@ -107,7 +107,7 @@ def test_numbers_are_written_without_losing_what_they_say():
     assert number(809.764, 5) == "809.76"
     assert duration(3725) == "1 h 02 min"
     assert listed(["a", "b", "c"]) == "a, b and c"
-    assert variant_range(("height_mm",), np.array([[21.0], [33.0]])) == f"21–33{SPACE}mm"
+    assert variant_range(("height_mm",), np.arange(21.0, 34.0)[:, None]) == f"21–33{SPACE}mm"
 
 
 def test_labels_in_plots_are_plain_text():
