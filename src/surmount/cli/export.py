@@ -1,4 +1,4 @@
-"""``surmount export``: a curriculum for another framework."""
+"""``surmount export``: a curriculum or a network for another framework."""
 
 from __future__ import annotations
 
@@ -8,28 +8,35 @@ from typing import Annotated
 import tyro
 
 from surmount.core.curriculum import Curriculum
+from surmount.core.errors import ConfigError
 from surmount.core.records import write_atomically
 from surmount.core.store import output_errors
 from surmount.exports import FORMATS, export_curriculum, export_ml_agents
+
+NETWORK_FORMATS = {"onnx": "policy.onnx", "acting": "acting.safetensors"}
+"""Formats of networks, and the files they are written to."""
 
 
 def export(
     file: Annotated[Path, tyro.conf.Positional],
     *,
-    to: Annotated[str, tyro.conf.arg(metavar=f"{{{','.join(FORMATS)}}}")],
+    to: Annotated[str, tyro.conf.arg(metavar=f"{{{','.join((*FORMATS, *NETWORK_FORMATS))}}}")],
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path(),
     behavior: str = "Robot",
     threshold: float = 0.5,
 ) -> int:
-    """Write a curriculum for another framework, and say what its format cannot express.
+    """Write a curriculum or a network for others, and say what the format cannot express.
 
     Args:
-        file: A curriculum.json.
-        to: ml-agents (YAML), syllabus or sb3 (a Python file each), csv.
+        file: A curriculum.json, or a network.safetensors.
+        to: Of a curriculum: ml-agents (YAML), syllabus or sb3 (a Python file each), csv. Of a
+            network: onnx, or acting (the same file without what only learning needs).
         out: Folder for the files.
         behavior: For ml-agents: name of the behaviour in Unity.
         threshold: For ml-agents: share of max_steps after which the last lesson begins.
     """
+    if to in NETWORK_FORMATS or file.suffix == ".safetensors":
+        return _export_network(file, to, out)
     curriculum = Curriculum.load(file)
     if to == "ml-agents":
         made = export_ml_agents(curriculum, behavior=behavior, threshold=threshold)
@@ -41,4 +48,26 @@ def export(
     print(f"Written to {out}: {', '.join(made.files)}")
     for note in made.notes:
         print(f"  {note}")
+    return 0
+
+
+def _export_network(file: Path, to: str, out: Path) -> int:
+    # A curriculum goes to other frameworks without the laboratory.
+    from surmount.learn import Snapshot, acting_only  # noqa: PLC0415
+    from surmount.learn.onnx_export import export_onnx  # noqa: PLC0415
+
+    if to not in NETWORK_FORMATS:
+        raise ConfigError(
+            f"{file} is a network, and `{to}` takes curricula.",
+            remedy=f"Give --to {' or '.join(NETWORK_FORMATS)}, or a curriculum.json.",
+        )
+    network = Snapshot.load(file)
+    path = out / NETWORK_FORMATS[to]
+    with output_errors(out):
+        out.mkdir(parents=True, exist_ok=True)
+        if to == "onnx":
+            export_onnx(network, path)
+        else:
+            acting_only(network).save(path)
+    print(f"Written to {path}: {path.stat().st_size:,} bytes")
     return 0
