@@ -9,7 +9,7 @@ DEMO_OBSTACLE ?= low-entrance
 
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow check bench clean
+.PHONY: demo test test-slow nightly check audit bench clean
 
 demo: $(READY)  ## the whole method on one obstacle at reduced scale, with a report at the end
 	$(BIN)/surmount reproduce $(DEMO_OBSTACLE) --preset smoke --out $(DEMO_OUT)
@@ -21,11 +21,20 @@ test: $(READY)  ## all checks and the fast tests
 test-slow: $(READY)  ## learning and soak tests, nightly
 	$(BIN)/pytest -m slow
 
+nightly: $(READY)  ## slow tests, 100,000 fuzzed cases, 50 kills
+	$(BIN)/pytest -m slow
+	SURMOUNT_FUZZ_CASES=100000 $(BIN)/pytest tests/test_fuzz.py --numprocesses auto
+	$(BIN)/python benchmarks/kill_soak.py --kills 50 --out out/kills
+
 check: $(READY)  ## lint, format, types, rooms
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/basedpyright
 	$(BIN)/lint-imports
+	$(BIN)/python tests/audit.py
+
+audit: $(READY)  ## known vulnerabilities of what constraints.txt pins, where a database is reachable
+	$(BIN)/python tests/audit.py
 
 bench: $(READY)  ## every speed claim, measured against its peer in the same run
 	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done

@@ -12,6 +12,7 @@ from surmount.core.records import read_record
 from surmount.core.run_layout import (
     INDEX,
     MOST_NETWORKS,
+    RESTARTS,
     RUN,
     TIMINGS,
     expected_stages,
@@ -40,6 +41,10 @@ class RunFolder:
         Finished stages by name.
     missing
         Names of stages that the configuration asks for and that are not finished.
+    restarts
+        How often stages lost their worker and were run again, where they were.
+    kinds
+        What the stages were made with, each combination of versions and machine once.
     """
 
     root: Path
@@ -49,6 +54,8 @@ class RunFolder:
     seconds: Mapping[str, float]
     stages: Mapping[str, Artefact]
     missing: tuple[str, ...]
+    restarts: Mapping[str, int]
+    kinds: tuple[Mapping[str, str], ...]
 
     @property
     def networks(self) -> int:
@@ -118,6 +125,8 @@ def open_run(root: Path) -> RunFolder:
         machine=_texts(run.get("machine")),
         seconds=_seconds(root / TIMINGS),
         stages=stages,
+        restarts={name: int(count) for name, count in _seconds(root / RESTARTS).items()},
+        kinds=_kinds(stages),
         missing=tuple(name for name in expected_stages(checked["networks"]) if name not in stages),
     )
 
@@ -165,6 +174,15 @@ def _found(root: Path) -> dict[str, Path]:
             name = folder.parent.relative_to(base).as_posix()
             folders.setdefault(name, []).append(folder)
     return {name: found[0] for name, found in folders.items() if len(found) == 1}
+
+
+def _kinds(stages: Mapping[str, Artefact]) -> tuple[Mapping[str, str], ...]:
+    found: list[Mapping[str, str]] = []
+    for artefact in stages.values():
+        kind = _texts(read_record(artefact.folder / MANIFEST).get("made_with"))
+        if kind and kind not in found:
+            found.append(kind)
+    return tuple(found)
 
 
 def _texts(value: object) -> dict[str, str]:

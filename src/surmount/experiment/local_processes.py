@@ -137,8 +137,9 @@ class _Worker:
             initargs=(theirs, os.getpid()),
         )
         try:
-            with _one_thread_for_children():  # the process is spawned here and inherits them
-                self._pool.submit(os.getpid).result()
+            with _inherited_by_children():  # the process is spawned here
+                ready = self._pool.submit(os.getpid)
+            ready.result()
         except BrokenProcessPool as error:
             raise SurmountError(
                 "The worker processes ended as soon as they were started.",
@@ -242,12 +243,18 @@ def _execute_in_worker(task: StageTask) -> StageResult:
 
 
 @contextlib.contextmanager
-def _one_thread_for_children() -> Generator[None]:
+def _inherited_by_children() -> Generator[None]:
+    """Let processes that are started here have one thread, and be deaf to Ctrl-C from the first.
+
+    A signal that is blocked stays so in a new program; this process gets it when the block ends.
+    """
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
     os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     try:
         yield
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for name, value in before.items():
             if value is None:
                 del os.environ[name]

@@ -65,7 +65,18 @@ def stage_table(folder: RunFolder) -> Table:
                 "hash of everything a stage depends on, the content that of the files it wrote "
                 "(SHA-256, first digits)."
             ),
+            _restarts(folder),
         ),
+    )
+
+
+def _restarts(folder: RunFolder) -> str:
+    if not folder.restarts:
+        return "No stage lost its worker."
+    names = ", ".join(f"{name} ({count})" for name, count in folder.restarts.items())
+    return (
+        f"Workers that were killed or lost: {sum(folder.restarts.values())}, at {names}. Each "
+        "stage went on from its last checkpoint."
     )
 
 

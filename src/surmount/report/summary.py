@@ -38,6 +38,21 @@ def notices(folder: RunFolder) -> list[Notice]:
                 ),
             )
         )
+    if len(folder.kinds) > 1:
+        names = sorted({name for kind in folder.kinds for name in kind})
+        differing = [n for n in names if len({kind.get(n) for kind in folder.kinds}) > 1]
+        found.append(
+            Notice(
+                title="Made on several kinds of machine",
+                sentences=(
+                    (
+                        f"Stages were made with {len(folder.kinds)} combinations of versions and "
+                        f"machine, which differ in {listed(differing)}. Rounding may differ "
+                        "between them: a run on one of them alone need not give the same bytes."
+                    ),
+                ),
+            )
+        )
     if folder.missing:
         named = list(folder.missing[:MOST_NAMED])
         rest = len(folder.missing) - len(named)
