@@ -3,7 +3,8 @@
     OMP_NUM_THREADS=1 python benchmarks/kill_soak.py --kills 50 --out out/kills
 
 The whole protocol on the narrow channel, as small as it can be with checkpoints worth losing. The
-program that runs it is ended by SIGKILL after a random time; its workers follow by themselves. When
+program that runs it is ended by SIGKILL a random time after its first stage began or was found
+finished, so that kills hit work and not the start of Python; its workers follow by themselves. When
 a run comes to its end, every file of every stage is compared with the reference by its SHA-256, and
 a new run begins in another folder, until all kills are spent. Prints the learning steps that were
 repeated: for each stage that was under way at a kill, the steps it had last told, minus those of
@@ -58,7 +59,7 @@ class Watcher:  # as `RunObserver` describes it
         self._file = path.open("a", encoding="utf-8")
 
     def stage_reused(self, artefact) -> None:
-        pass
+        self._write(artefact.stage, "reused", 0)
 
     def stage_started(self, stage: str) -> None:
         self._write(stage, "started", 0)
@@ -128,8 +129,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=10)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--shortest", type=float, default=1.0, help="least seconds to a kill")
-    parser.add_argument("--longest", type=float, default=30.0, help="most seconds to a kill")
+    parser.add_argument("--shortest", type=float, default=0.0, help="least seconds to a kill")
+    parser.add_argument("--longest", type=float, default=20.0, help="most seconds to a kill")
     parser.add_argument("--out", type=Path, default=Path("out/kills"))
     parser.add_argument("--work", type=Path, help=argparse.SUPPRESS)
     chosen = parser.parse_args()
@@ -165,9 +166,12 @@ def main() -> None:
 
 
 def attempt(root: Path, log: Path, limit: float | None) -> bool:
-    """Go on with a run, kill it after a time, and say whether it had come to its end."""
+    """Go on with a run, kill it some time after it began, and say whether it came to its end."""
     command = [sys.executable, __file__, "--work", str(root), "--out", str(log)]
-    process = subprocess.Popen(command)  # noqa: S603
+    told = log.stat().st_size if log.exists() else 0
+    process = subprocess.Popen(command, stderr=subprocess.DEVNULL)  # noqa: S603
+    while process.poll() is None and (not log.exists() or log.stat().st_size == told):
+        time.sleep(0.05)
     try:
         code = process.wait(timeout=limit)
     except subprocess.TimeoutExpired:
