@@ -65,9 +65,10 @@ def test_sensitivity_names_each_choice_and_judges_it_by_agreement(analysis: Anal
     rows = {(row.choice, row.value): row for row in analysis.sensitivity}
     assert rows["linkage", "ward"].agreement == 1.0
     assert rows["features", "without time_s"].n_groups == 2
+    assert rows["regularisation", "0.01"].agreement == 1.0
     assert {row.choice for row in analysis.sensitivity} == {
         "linkage", "cut-off", "alike distance", "cut", "small groups", "features", "components",
-        "networks",
+        "regularisation", "networks",
     }  # fmt: skip
 
 

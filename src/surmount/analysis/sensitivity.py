@@ -24,6 +24,8 @@ from surmount.core.threads import spread
 _LINKAGES = ("average", "complete", "single", "weighted", "ward")
 _DEPTHS = (2, 3, 4, 0)
 _ALIKE = (0.0, 0.1, 0.3)
+_REGULARISATIONS = (1e-4, 1e-2)
+"""The larger one blurs behaviours by a tenth of each feature's standard deviation."""
 _MOST_NETWORKS = 10
 """Of more networks, the first ones are looked at by themselves."""
 NETWORKS = "networks"
@@ -81,8 +83,9 @@ def assess_sensitivity(
     """Repeat the grouping with one choice changed at a time.
 
     Linkage, cut rule, cut-off and the size of small groups reuse the distances; leaving a feature
-    out reuses the mixtures, whose marginals are exact; other numbers of components, and each
-    network by itself, are fitted anew. Pooled networks can hide a boundary that only one has.
+    out reuses the mixtures, whose marginals are exact; other numbers of components, another
+    regularisation, and each network by itself, are fitted anew. Pooled networks can hide a
+    boundary that only one has.
 
     Parameters
     ----------
@@ -121,6 +124,11 @@ def assess_sensitivity(
         refitted = hellinger_matrix(_refits(data.samples, data, count, config, seed))
         rows.append(row("components", str(count), group_variants(refitted, config)))
     usual = max(mixture.n_components for mixture in mixtures)
+    for variance in _REGULARISATIONS:
+        if variance != config.regularisation:
+            changed = dataclasses.replace(config, regularisation=variance)
+            refitted = hellinger_matrix(_refits(data.samples, data, usual, changed, seed))
+            rows.append(row("regularisation", f"{variance:g}", group_variants(refitted, config)))
     for network, samples in _single_networks(data, config):
         alone = hellinger_matrix(_refits(samples, data, usual, config, seed))
         rows.append(row(NETWORKS, f"only {network}", group_variants(alone, config)))
