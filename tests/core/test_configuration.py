@@ -18,6 +18,7 @@ from surmount.core.configuration import (
     to_record,
 )
 from surmount.core.errors import ConfigError
+from surmount.experiment import preset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,3 +129,11 @@ def test_any_override_is_taken_or_refused_in_a_sentence(changes):
     valid = set(dotted_keys(Outer))
     assert refusal is not None or changes.keys() <= valid
     assert refusal is None or (refusal.message and refusal.remedy)
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**19), 1e300])
+def test_numbers_beyond_any_meaning_are_refused(value):
+    with pytest.raises(ConfigError):
+        override(preset("step", "smoke"), {"seed": value})
+    with pytest.raises(ConfigError):
+        override(preset("step", "smoke"), {"env.episode_s": value})

@@ -21,6 +21,8 @@ from typing import Any, TypeVar, cast
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_bytes
 
+LARGEST_INTEGER = 2**63
+"""Larger ones fit neither a float nor an array, and nobody means them."""
 Record = dict[str, Any]
 Config = TypeVar("Config")
 
@@ -186,9 +188,16 @@ def _coerce(kind: Any, value: Any, key: str) -> object:
         )
     if origin in (types.UnionType, typing.Union):
         return _coerce_union(arguments, value, key)
+    if isinstance(value, int) and abs(value) >= LARGEST_INTEGER:
+        raise ConfigError(f"`{key}` is too large a number.", remedy="Give one below 2⁶³.")
     if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
-    if kind is int and isinstance(value, float) and value.is_integer():
+    if (
+        kind is int
+        and isinstance(value, float)
+        and value.is_integer()
+        and (abs(value) < LARGEST_INTEGER)
+    ):
         return int(value)  # 5e5 in a file means 500,000
     if kind in (int, bool, str) and type(value) is kind:
         return value
