@@ -106,6 +106,7 @@ def test_a_second_process_on_the_folder_is_refused_and_changes_nothing(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [".lock"]
 
 
+@pytest.mark.slow
 def test_clocks_that_go_back_change_nothing(expected, tmp_path, monkeypatch):
     """The clock of the system runs backwards, and files come from the future."""
     moments = iter(range(2_000_000_000, 0, -3600))
@@ -121,6 +122,7 @@ def test_clocks_that_go_back_change_nothing(expected, tmp_path, monkeypatch):
     assert all(seconds >= 0 for seconds in read_record(tmp_path / "timings.json").values())
 
 
+@pytest.mark.slow
 def test_one_ctrl_c_saves_and_two_end_at_once_and_the_run_goes_on(expected, tmp_path):
     root = tmp_path / "run"
     process = subprocess.Popen(  # noqa: S603
