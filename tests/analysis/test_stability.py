@@ -136,3 +136,12 @@ def test_description_states_groups_ranges_success_and_weights(analysis: Analysis
     assert "100–130 (4)" in text
     assert "100–135" in text
     assert f"{analysis.curriculum.n_levels} level" in text
+
+
+def test_levels_taken_out_by_hand_are_not_explained_by_success(analysis: Analysis):
+    curriculum = analysis.curriculum
+    assert curriculum.n_levels == 1
+    without = describe_curriculum(dataclasses.replace(curriculum, levels=()))
+    assert without[-1] == "No levels."
+    learnt = dataclasses.replace(curriculum, levels=(), success_threshold=0.0)
+    assert describe_curriculum(learnt)[-1] == "No levels: every group reaches 0% success."

@@ -84,9 +84,9 @@ def test_every_mistake_of_a_hand_is_named_at_once():
     with pytest.raises(InputError) as caught:
         Curriculum.from_record(record, source="c.json")
     text = str(caught.value)
-    assert "`groups[0]`.success_rate is not a number from 0 to 1" in text
-    assert "`groups[1]`.boxes[0] has a lower bound above its upper bound" in text
-    assert "`levels[0]`.dominant is 'dificult', which is no group" in text
+    assert "`groups[0].success_rate` is not a number from 0 to 1" in text
+    assert "`groups[1].boxes[0]` has a lower bound above its upper bound" in text
+    assert "`levels[0].dominant` is 'dificult', which is no group" in text
     assert "sum to 1.1, not to 1" in text
 
 

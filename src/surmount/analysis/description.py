@@ -35,10 +35,10 @@ def describe_curriculum(curriculum: Curriculum) -> list[str]:
         "",
     ]
     if not curriculum.levels:
-        return [
-            *lines,
-            f"No levels: every group reaches {curriculum.success_threshold:.0%} success.",
-        ]
+        threshold = curriculum.success_threshold
+        learnt = all(group.success_rate >= threshold for group in curriculum.groups)
+        why = f": every group reaches {threshold:.0%} success" if learnt else ""
+        return [*lines, f"No levels{why}."]
     levels = [
         [str(number), level.dominant, *(f"{weight:.3g}" for weight in level.weights)]
         for number, level in enumerate(curriculum.levels, start=1)

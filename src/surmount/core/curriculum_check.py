@@ -32,14 +32,14 @@ def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
     if not _is_list(groups, _is_object) or not groups:
         return [*problems, "`groups` is not a list of groups"]
     for index, group in enumerate(groups):
-        problems += _group_problems(group, f"`groups[{index}]`", len(parameters))
+        problems += _group_problems(group, f"groups[{index}]", len(parameters))
     names = [group.get("name") for group in groups if _is_name(group.get("name"))]
     if len(set(names)) < len(names):
         problems.append("two groups have the same name")
     if not _is_list(levels, _is_object):
         return [*problems, "`levels` is not a list of levels (an empty list means none)"]
     for index, level in enumerate(levels):
-        problems += _level_problems(level, f"`levels[{index}]`", names)
+        problems += _level_problems(level, f"levels[{index}]", names)
     return problems
 
 
@@ -50,27 +50,27 @@ def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> 
         return _is_list(value, _is_number) and len(value) == n_parameters  # type: ignore[arg-type]
 
     if not _is_name(group.get("name")):
-        problems.append(f"{place}.name is not a name")
+        problems.append(f"`{place}.name` is not a name")
     if not _is_number(group.get("success_rate"), 0, 1):
-        problems.append(f"{place}.success_rate is not a number from 0 to 1")
+        problems.append(f"`{place}.success_rate` is not a number from 0 to 1")
     if not _is_list(group.get("variants"), is_point) or not group.get("variants"):
-        problems.append(f"{place}.variants is not a list of lists of {n_parameters} numbers")
+        problems.append(f"`{place}.variants` is not a list of lists of {n_parameters} numbers")
     boxes = group.get("boxes")
     if not _is_list(boxes, _is_object) or not boxes:
-        return [*problems, f"{place}.boxes is not a list of boxes"]
+        return [*problems, f"`{place}.boxes` is not a list of boxes"]
     sound = True
     for index, box in enumerate(boxes):
         where = f"{place}.boxes[{index}]"
         lower, upper = box.get("lower"), box.get("upper")
         if not (is_point(lower) and is_point(upper)):
-            problems.append(f"{where} lacks `lower` and `upper` with {n_parameters} numbers each")
+            problems.append(f"`{where}` lacks `lower` and `upper` with {n_parameters} numbers each")
         elif any(low > high for low, high in zip(lower, upper, strict=True)):
-            problems.append(f"{where} has a lower bound above its upper bound")
+            problems.append(f"`{where}` has a lower bound above its upper bound")
         if not _is_number(box.get("weight"), 0, math.inf):
-            problems.append(f"{where}.weight is not a number of at least 0")
+            problems.append(f"`{where}.weight` is not a number of at least 0")
             sound = False
     if sound and sum(box["weight"] for box in boxes) <= 0:
-        problems.append(f"{place}.boxes have no weight")
+        problems.append(f"`{place}.boxes` have no weight")
     return problems
 
 
@@ -78,16 +78,16 @@ def _level_problems(level: Mapping[str, Any], place: str, names: list[Any]) -> l
     problems: list[str] = []
     weights = level.get("weights")
     if level.get("dominant") not in names:
-        problems.append(f"{place}.dominant is {level.get('dominant')!r}, which is no group")
+        problems.append(f"`{place}.dominant` is {level.get('dominant')!r}, which is no group")
     if not isinstance(weights, Mapping):
-        return [*problems, f"{place}.weights is not a table of group names and weights"]
+        return [*problems, f"`{place}.weights` is not a table of group names and weights"]
     unknown = [str(name) for name in weights if name not in names]
     if unknown:
-        problems.append(f"{place}.weights names {', '.join(unknown)}, which is no group")
+        problems.append(f"`{place}.weights` names {', '.join(unknown)}, which is no group")
     if not all(_is_number(weight, 0, 1) for weight in weights.values()):
-        problems.append(f"{place}.weights are not all numbers from 0 to 1")
+        problems.append(f"`{place}.weights` are not all numbers from 0 to 1")
     elif abs(sum(weights.values()) - 1.0) > _SUM_TOLERANCE:
-        problems.append(f"{place}.weights sum to {sum(weights.values()):g}, not to 1")
+        problems.append(f"`{place}.weights` sum to {sum(weights.values()):g}, not to 1")
     return problems
 
 
