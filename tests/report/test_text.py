@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surmount.report.text import SPACE, axis_label, variant_range
+from surmount.report.text import SPACE, axis_label, percent_interval, variant_range
 
 
 @pytest.mark.parametrize(
@@ -38,3 +38,16 @@ def test_units_at_the_end_of_names_are_printed_as_units(name, label):
 def test_a_group_in_several_runs_is_not_written_as_one(values, text):
     variants = np.asarray(values, dtype=np.float64)[:, None]
     assert variant_range(("height_mm",), variants) == f"{text}{SPACE}mm"
+
+
+@pytest.mark.parametrize(
+    ("ends", "text"),
+    [
+        ((0.9960, 1.0), "99.6 to 100.0"),
+        ((0.98, 1.0), "98 to 100"),
+        ((1.0, 1.0), "100 to 100"),
+        ((0.5, 0.5 + 1e-9), "50.000 to 50.000"),
+    ],
+)
+def test_an_interval_is_written_with_the_digits_that_tell_its_ends_apart(ends, text):
+    assert percent_interval(*ends) == f"{text}{SPACE}%"

@@ -29,6 +29,8 @@ MOST_RUNS = 4
 LONGEST_NAME = 24
 """Characters of a name inside a plot; the page around it has the whole name."""
 
+MOST_DIGITS = 3
+"""Digits behind the point of a percentage, at most."""
 SMALLEST_P = 0.001
 """Below it a p-value is printed as such."""
 
@@ -93,11 +95,12 @@ def percent(share: float | None, digits: int = 0) -> str:
 
 
 def percent_interval(lower: float | None, upper: float | None, digits: int = 0) -> str:
-    """Return an interval of shares, ``"12–30 %"``."""
+    """Return an interval of shares, ``"12 to 30 %"``, with the digits that tell its ends apart."""
     if lower is None or upper is None:
         return UNDEFINED
-    low = f"{100 * lower:.{digits}f}".replace("-", MINUS)
-    high = f"{100 * upper:.{digits}f}".replace("-", MINUS)
+    low, high = (f"{100 * end:.{digits}f}".replace("-", MINUS) for end in (lower, upper))
+    if low == high and lower < upper and digits < MOST_DIGITS:
+        return percent_interval(lower, upper, digits + 1)
     return f"{low} to {high}{SPACE}%"
 
 
