@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -66,6 +67,22 @@ def test_order_of_trials_does_not_matter(analysis: Analysis, trials: Trials):
     # Sums over samples run in another order only where scaling is computed: rounding, no more.
     np.testing.assert_allclose(shuffled.distances, analysis.distances, atol=1e-6)
     assert shuffled.labels.tolist() == analysis.labels.tolist()
+
+
+def test_names_of_variants_and_units_of_features_do_not_matter(analysis: Analysis, trials: Trials):
+    mirrored = dataclasses.replace(
+        trials,
+        variant=-trials.variant,
+        network=7 - trials.network,
+        features=trials.features * [60.0, 0.01, -3.0, 1e3] + [5.0, 0.0, 1.0, -2.0],
+    )
+    found = determine_curriculum(mirrored, QUICK)
+    # The sign of a feature changes the order of samples, so the starts are others.
+    np.testing.assert_allclose(found.distances[::-1, ::-1], analysis.distances, atol=0.05)
+    assert found.labels[::-1].tolist() == analysis.labels.tolist()
+    rescaled = dataclasses.replace(mirrored, features=trials.features * [60.0, 0.01, 3.0, 1e3])
+    found = determine_curriculum(rescaled, QUICK)
+    np.testing.assert_allclose(found.distances[::-1, ::-1], analysis.distances, atol=1e-6)
 
 
 def test_all_groups_succeeding_gives_a_curriculum_without_levels(trials: Trials, tmp_path):
