@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -125,6 +127,20 @@ def test_reference_matrix_lies_near_the_unscented_one():
     assert check.standard_error.max() < 0.01
     # Largest error measured for 4 features in docs/results: 0.034 with 4 components.
     np.testing.assert_allclose(hellinger_matrix(mixtures), check.reference, atol=0.05)
+
+
+def test_matrix_needs_little_memory_beside_its_result():
+    n, k, d = 300, 2, 2
+    rng = np.random.default_rng(0)
+    mixtures = [random_mixture(rng, k, d) for _ in range(n)]
+    hellinger_matrix(mixtures[:2])
+    tracemalloc.start()
+    matrix = hellinger_matrix(mixtures)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # A tile of 1 MiB and copies of the components; a tenth for what an interpreter adds. Another
+    # matrix of the result's size, 0.7 MB, would not fit.
+    assert matrix.nbytes < peak < matrix.nbytes + 1.1 * (2**20 + 60 * d**2 * n * k)
 
 
 def test_matrix_holds_the_distances_of_all_pairs_for_unequal_components():
