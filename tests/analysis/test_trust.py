@@ -73,6 +73,23 @@ def test_trials_of_one_network_are_warned_of():
     assert any("one network" in warning for warning in found.warnings)
 
 
+def test_one_group_left_by_merging_is_not_called_a_lack_of_change():
+    family = dataclasses.replace(FAMILY, sizes=(2, 6))
+    quick = dataclasses.replace(CONFIG, bootstrap=0, sensitivity=False, check_distances=False)
+    found = determine_curriculum(family.generate(), quick)
+    assert len(found.groups) == 1
+    text = " ".join(found.warnings)
+    assert "around groups of at most 2 variants (100, 110), which were merged" in text
+    assert "No abrupt change" not in text
+    kept = determine_curriculum(family.generate(), dataclasses.replace(quick, small_group_size=1))
+    assert len(kept.groups) == 2
+    alike = dataclasses.replace(FAMILY, sizes=(8,), behaviours=(0,), grading=0.5)
+    assert any(
+        "No abrupt change" in warning
+        for warning in determine_curriculum(alike.generate(), quick).warnings
+    )
+
+
 def test_checked_distances_are_those_of_pairs_and_their_errors_are_told(analysis: Analysis):
     check = analysis.check
     pair = check_hellinger(analysis.mixtures[5], analysis.mixtures[2], seed=CONFIG.seed)

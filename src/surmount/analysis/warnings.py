@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from surmount.analysis.description import describe_variants
 from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
 from surmount.analysis.trust import unstable_parts
@@ -75,7 +76,16 @@ def _about_fits(analysis: Analysis) -> list[str]:
 
 def _about_groups(analysis: Analysis) -> list[str]:
     found: list[str] = []
-    if len(analysis.groups) == 1:
+    if len(analysis.groups) == 1 and analysis.merges:
+        small = "; ".join(
+            describe_variants(analysis.variants[list(merge.members)]) for merge in analysis.merges
+        )
+        found.append(
+            f"Behaviour changes abruptly, but only around groups of at most "
+            f"{analysis.merges[0].limit} variants ({small}), which were merged: all variants form "
+            "one group. Lower `small_group_size` to keep them, or record variants in between."
+        )
+    elif len(analysis.groups) == 1:
         found.append("No abrupt change of behaviour was found: all variants form one group.")
     if not analysis.curriculum.levels:
         found.append(
