@@ -7,7 +7,7 @@ from dataclasses import replace
 from surmount.analysis import AnalysisConfig
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
-from surmount.envs import OBSTACLES, EnvConfig
+from surmount.envs import OBSTACLES
 from surmount.experiment.config import ExperimentConfig
 from surmount.learn import LearnerConfig, RolloutConfig
 from surmount.own import is_own, source_hash
@@ -21,9 +21,6 @@ SMOKE_PERCENT = 15
 
 OWN_INITIAL_STEPS = 500_000
 """For an environment of one's own: as the paper's for two of its three obstacles (assumed)."""
-
-SMOKE_DECISION_S = 0.02
-"""Twice the default: so few steps then reach far enough for the robot to learn to drive."""
 
 
 def preset(obstacle: str, scale: str) -> ExperimentConfig:
@@ -57,7 +54,6 @@ def _preset(obstacle: str, scale: str, initial_steps: int) -> ExperimentConfig:
         networks=2,
         initial_steps=SMOKE_PERCENT * initial_steps // 100,
         checkpoint_steps=20_000,
-        env=EnvConfig(decision_interval_s=SMOKE_DECISION_S),
         learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
         trials=RolloutConfig(repetitions=8),
         analysis=AnalysisConfig(max_components=12),

@@ -57,9 +57,10 @@ class RobotConfig:
 
     gear: Gear = "wheels"
     """Running gear: "wheels", "whegs" or "both"; the robot takes either or both (paper II)."""
-    friction: float = 1.3
-    """Sliding friction of tyres and spokes against everything, coefficient; assumed, by what
-    the mechanism can then do at all (ADR 20)."""
+    friction: float = 0.7
+    """Sliding friction of tyres and spokes against everything, coefficient; assumed: the lowest at
+    which every variant is feasible (ADR 20), chosen within that range by what the initiation then
+    leaves to learn (ADR 21)."""
     body_friction: float = 0.3
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
