@@ -90,6 +90,25 @@ def test_every_mistake_of_a_hand_is_named_at_once():
     assert "sum to 1.1, not to 1" in text
 
 
+@pytest.mark.parametrize(
+    ("place", "key"),
+    [
+        ((), "succes_threshold"),
+        (("groups", 1), "colour"),
+        (("groups", 0, "boxes", 0), "wieght"),
+        (("levels", 0), "min_steps"),
+    ],
+)
+def test_a_key_that_saving_would_lose_is_refused(place: tuple[str | int, ...], key: str):
+    record = curriculum().to_record()
+    node = record
+    for step in place:
+        node = node[step]
+    node[key] = 1
+    with pytest.raises(InputError, match=f"has a key '{key}'"):
+        Curriculum.from_record(record)
+
+
 def test_a_curriculum_without_levels_is_sound_and_has_no_level_to_draw():
     record = curriculum().to_record()
     record["levels"] = []

@@ -9,6 +9,10 @@ from typing import Any
 from surmount.core.names import is_printable
 
 SCHEMA = 1
+KEYS = ("kind", "schema", "parameters", "success_threshold", "groups", "levels")
+GROUP_KEYS = ("name", "success_rate", "variants", "boxes")
+BOX_KEYS = ("lower", "upper", "weight")
+LEVEL_KEYS = ("dominant", "weights")
 _SUM_TOLERANCE = 1e-6
 """Weights written by hand with six digits must pass."""
 
@@ -19,7 +23,7 @@ def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
         return ['`kind` is not "surmount curriculum"']
     if record.get("schema") != SCHEMA:
         return [f"`schema` is {record.get('schema')!r}, this version reads {SCHEMA}"]
-    problems: list[str] = []
+    problems = _unknown_keys(record, "the file", KEYS)
     parameters = record.get("parameters")
     if not _is_list(parameters, _is_name) or not parameters:
         return ["`parameters` is not a list of names"]
@@ -43,8 +47,17 @@ def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
     return problems
 
 
+def _unknown_keys(record: Mapping[str, Any], place: str, known: tuple[str, ...]) -> list[str]:
+    """Name keys that a curriculum has no room for: saving it again would lose them."""
+    return [
+        f"{place} has a key {key!r}, which is none of {', '.join(known)}"
+        for key in record
+        if key not in known
+    ]
+
+
 def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> list[str]:
-    problems: list[str] = []
+    problems = _unknown_keys(group, f"`{place}`", GROUP_KEYS)
 
     def is_point(value: object) -> bool:
         return _is_list(value, _is_number) and len(value) == n_parameters  # type: ignore[arg-type]
@@ -61,6 +74,7 @@ def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> 
     sound = True
     for index, box in enumerate(boxes):
         where = f"{place}.boxes[{index}]"
+        problems += _unknown_keys(box, f"`{where}`", BOX_KEYS)
         lower, upper = box.get("lower"), box.get("upper")
         if not (is_point(lower) and is_point(upper)):
             problems.append(f"`{where}` lacks `lower` and `upper` with {n_parameters} numbers each")
@@ -75,7 +89,7 @@ def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> 
 
 
 def _level_problems(level: Mapping[str, Any], place: str, names: list[Any]) -> list[str]:
-    problems: list[str] = []
+    problems = _unknown_keys(level, f"`{place}`", LEVEL_KEYS)
     weights = level.get("weights")
     if level.get("dominant") not in names:
         problems.append(f"`{place}.dominant` is {level.get('dominant')!r}, which is no group")
