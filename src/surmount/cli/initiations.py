@@ -8,13 +8,11 @@ from typing import Annotated, Any
 import tyro
 from rich.console import Console
 
-from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
-from surmount.cli.reproduce import stop_on_signals
+from surmount.cli.running import run_graph
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
 from surmount.core.store import output_errors, sole_user
-from surmount.experiment import Depot, GraphRunner
 from surmount.experiment.initiation_map import initiation_stages, read_settings, summarise
 from surmount.experiment.provenance import machine, versions
 from surmount.report.initiation_figure import write_initiation_figure
@@ -42,16 +40,8 @@ def initiations(
     chosen = read_settings(settings)
     graph = initiation_stages(chosen)
     console = Console()
-    with sole_user(out), RunDisplay(console, out / "logs" / "run.log") as display:
-        executor = workers.make(display.listen)
-        depot = Depot(root=out, url=workers.store)
-        runner = GraphRunner(out, graph, executor, display, depot=depot, retries=workers.retries)
-        try:
-            with stop_on_signals(display.note) as on_ready, output_errors(out):
-                on_ready(runner)
-                outcome = runner.run()
-        finally:
-            executor.close()
+    with sole_user(out):
+        outcome = run_graph(out, graph, workers, console)
         record: dict[str, Any] = {
             "kind": "initiation map",
             "schema": 1,

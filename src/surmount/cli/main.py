@@ -66,6 +66,7 @@ VERBS = (
     "view",
     "capability",
     "initiations",
+    "regimes",
     "manoeuvres",
     "config",
 )

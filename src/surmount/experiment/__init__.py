@@ -3,7 +3,7 @@
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.depot import Depot
 from surmount.experiment.executor import Executor, StageEvent, StageResult, WorkerLostError
-from surmount.experiment.graph import Resources
+from surmount.experiment.graph import Resources, Stage
 from surmount.experiment.in_process import InProcessExecutor
 from surmount.experiment.local_processes import ProcessExecutor
 from surmount.experiment.presets import SCALES, preset
@@ -28,6 +28,7 @@ __all__ = [
     "Resources",
     "RunObserver",
     "RunOutcome",
+    "Stage",
     "StageEvent",
     "StageResult",
     "WorkerLostError",

@@ -1,0 +1,80 @@
+"""``surmount regimes``: where the curriculum helps, over a grid of two settings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from surmount.cli.main import INTERRUPTED
+from surmount.cli.running import run_graph
+from surmount.cli.workers import WorkerOptions, Workers
+from surmount.core.records import write_record
+from surmount.core.store import output_errors, sole_user
+from surmount.experiment.provenance import machine, versions
+from surmount.experiment.regime_map import read_regime_map, regime_stages, summarise_regimes
+from surmount.report.regime_figure import write_regime_figure
+
+MAP = "regimes.json"
+
+
+def regimes(
+    map: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")],  # noqa: A002
+    *,
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
+) -> int:
+    """Run curriculum and control over a grid of two settings and say where which succeeds.
+
+    Writes regimes.json and a figure. Calling it again goes on where it stopped, and values may be
+    added to the axes meanwhile: what is finished is kept.
+
+    Args:
+        map: TOML file with obstacle, hard, solved, a table [common] and a table [axes].
+        out: Folder for networks, trials and the map.
+        workers: Where stages run.
+    """
+    workers.check()
+    chosen = read_regime_map(map)
+    graph = regime_stages(chosen)
+    console = Console()
+    with sole_user(out):
+        outcome = run_graph(out, graph, workers, console)
+        record: dict[str, Any] = {
+            "kind": "regime map",
+            "schema": 1,
+            "versions": versions(),
+            "machine": machine(),
+            "obstacle": chosen.obstacle,
+            "axes": [{"key": axis.key, "values": list(axis.values)} for axis in chosen.axes],
+            "hard": list(chosen.hard),
+            "solved": chosen.solved,
+            "cells": summarise_regimes(chosen, outcome.artefacts),
+        }
+        with output_errors(out):
+            write_record(out / MAP, record)
+            write_regime_figure(record, out)
+    console.print(_table(record))
+    if outcome.interrupted:
+        console.print("Stopped. Go on with the same command.")
+        return INTERRUPTED
+    return 0
+
+
+def _table(record: dict[str, Any]) -> Table:
+    table = Table(title="Success on the hard variants", title_justify="left")
+    keys = [axis["key"] for axis in record["axes"]]
+    for column in (*keys, "initiation", "curriculum", "control", "who succeeds"):
+        table.add_column(column)
+    for cell in record["cells"]:
+        hard = cell.get("hard", {})
+        table.add_row(
+            *map(str, cell["values"]),
+            *(f"{100 * hard[kind]:.0f} %" if hard else "" for kind in
+              ("initiation", "curriculum", "control")),
+            cell.get("regime", "not run"),
+        )  # fmt: skip
+    return table

@@ -1,0 +1,80 @@
+"""Success against size in every cell of a regime map, with the name of its regime."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from surmount.report.palette import ARM_STYLES, GRID, INK, MUTED
+from surmount.report.stills import axes_grid, draw, write_still
+
+ROW_IN = 1.55
+"""Height of a row of the figure in inches."""
+
+
+def write_regime_figure(record: Mapping[str, Any], folder: Path) -> None:
+    """Draw a regime map and write ``regimes.svg``, ``.png`` and ``.csv``.
+
+    Parameters
+    ----------
+    record
+        The map: ``axes`` (two, each with ``key`` and ``values``), ``hard`` and ``cells`` as
+        :func:`surmount.experiment.regime_map.summarise_regimes` returns them.
+    folder
+        Where the files go.
+    """
+    rows = [
+        (*cell["values"], stage, network, variant, share)
+        for cell in record["cells"]
+        for stage, matrix in cell.get("success", {}).items()
+        for network, shares in enumerate(matrix)
+        for variant, share in zip(cell["variants"], shares, strict=True)
+    ]
+    keys = [axis["key"] for axis in record["axes"]]
+    names = (*keys, "training", "network", "variant", "success")
+    columns = {name: [row[index] for row in rows] for index, name in enumerate(names)}
+    write_still(folder, "regimes", draw(lambda: _draw(record)), columns)
+
+
+def _draw(record: Mapping[str, Any]) -> Figure:
+    down, across = record["axes"]
+    n_rows, n_columns = len(down["values"]), len(across["values"])
+    figure, axes = axes_grid(
+        n_rows, n_columns, height_in=0.7 + ROW_IN * n_rows, share_y=True, share_x=True
+    )
+    for index, (axis, cell) in enumerate(zip(axes, record["cells"], strict=True)):
+        row, column = divmod(index, n_columns)
+        _draw_cell(axis, cell, record["hard"])
+        if column == 0:
+            axis.set_ylabel(f"{_leaf(down['key'])} = {cell['values'][0]}", fontsize=7.5)
+        if row == n_rows - 1:
+            axis.set_xlabel(f"{_leaf(across['key'])} = {cell['values'][1]}", fontsize=7.5)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    figure.supylabel("success (thick: mean over networks)", fontsize=8)
+    figure.supxlabel("size in mm (grey: the hard variants)", fontsize=8)
+    return figure
+
+
+def _draw_cell(axis: Axes, cell: Mapping[str, Any], hard: Sequence[float]) -> None:
+    axis.set_ylim(-0.04, 1.04)
+    axis.axvspan(hard[0] - 0.5, hard[1] + 0.5, color=GRID, zorder=0)
+    axis.set_title(cell.get("regime", "not run"), color=INK if "regime" in cell else MUTED)
+    for stage, style in ARM_STYLES.items():
+        matrix = np.asarray(cell.get("success", {}).get(stage, np.empty((0, 0))))
+        for network in matrix:
+            axis.plot(cell["variants"], network, color=style.colour, lw=0.5, alpha=0.5)
+        mean = matrix.mean(axis=0) if matrix.size else []
+        axis.plot(
+            cell.get("variants", []), mean, color=style.colour, ls=style.line, label=style.name,
+            lw=1.8,
+        )  # fmt: skip
+
+
+def _leaf(key: str) -> str:
+    return key.rsplit(".", 1)[-1]
