@@ -8,11 +8,16 @@ import pytest
 from small import SMALL, Watcher, small_config
 
 from surmount.core.configuration import override
+from surmount.core.curriculum import Box, Curriculum, Group
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
 from surmount.core.trial_table import read_trials
 from surmount.experiment import begin, make_executor, preset, run
-from surmount.experiment.teacher_statistics import success_in_training
+from surmount.experiment.learning_speed import (
+    TrainingEpisodes,
+    steps_to_95,
+    success_in_training,
+)
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.report.teachers_page import write_teachers_report
@@ -119,6 +124,41 @@ def test_success_in_training_is_that_of_the_newest_episodes():
     success = steps > 50
     rates = success_in_training(steps, success, np.array([5, 50, 60, 100]))
     np.testing.assert_allclose(rates, [0.0, 0.0, 10 / 30, 1.0])
+
+
+def test_a_group_is_learnt_when_its_own_newest_episodes_succeed():
+    curriculum = Curriculum(
+        parameters=("height_mm",),
+        groups=tuple(
+            Group(
+                name=name,
+                variants=np.array([[low], [high]]),
+                success_rate=0.5,
+                boxes=(Box(lower=np.array([low]), upper=np.array([high]), weight=1.0),),
+            )
+            for name, low, high in (("easy", 20.0, 30.0), ("hard", 31.0, 40.0))
+        ),
+        levels=(),
+        success_threshold=0.9,
+    )
+
+    def training(learnt: int) -> TrainingEpisodes:
+        # Easy and hard by turns; easy succeeds always, hard from a learning step on.
+        steps = np.arange(1, 4001)
+        tasks = np.where(steps % 2, 25.0, 35.0)
+        return TrainingEpisodes(
+            budget=4000,
+            steps=steps,
+            tasks=tasks[:, None],
+            success=(tasks < 30) | (steps > learnt),
+        )
+
+    easy, hard = steps_to_95([training(1000), training(4000)], curriculum)
+    # 40 moments, every 100 steps: of the first, 50 episodes are of either group.
+    assert easy.first_steps == (100.0, 100.0)
+    # The newest 30 of the hard group take 60 steps: at 1,100 all of them come after step 1,000.
+    assert hard.first_steps == (1100.0, None)
+    assert (hard.n_reached, hard.n_networks) == (1, 2)
 
 
 @pytest.mark.slow

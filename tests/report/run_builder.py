@@ -111,6 +111,7 @@ class RunBuilder:
             analysis="analysis",
             initiation="trials",
             **{arm: f"test-{arm}" for arm in ARMS},
+            **{f"training:{arm}": arm for arm in ARMS},
         )
 
     def curriculum(self) -> Curriculum:

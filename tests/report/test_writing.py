@@ -35,6 +35,7 @@ FIGURES = {
     "figure-8b-survival",
     "figure-9-path-lengths",
     "figure-10-success-by-variant",
+    "figure-11-profiles",
 }
 HOSTILE = "</script><img src=x onerror=alert(1)> $\\frac{1}{2}$ %{x} {{ 7*7 }} &amp;"
 
@@ -45,6 +46,25 @@ def test_every_figure_is_written_as_svg_png_and_csv(reported):
     for name in FIGURES:
         assert (reported.root / "figures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert b"<svg" in (reported.root / "figures" / f"{name}.svg").read_bytes()
+
+
+def test_page_tells_over_networks_how_far_and_how_soon(reported):
+    record = read_record(reported.stages["statistics"].path("statistics.json"))
+    read = PageReader(reported.text())
+    mean = record["networks"]["mean_difference"]
+    assert f"paired t-test {100 * mean['estimate']:+.1f} points" in read.text
+    for group, curriculum, control in zip(
+        record["groups"],
+        *(record["steps_to_95"][arm] for arm in ("curriculum", "control")),
+        strict=True,
+    ):
+        counts = [f"{found['n_reached']} of 2" for found in (curriculum, control)]
+        medians = [found["median_steps"] for found in (curriculum, control)]
+        cells = [
+            count if median is None else f"{count}, median {median:,.0f}"
+            for count, median in zip(counts, medians, strict=True)
+        ]
+        assert f"{group} {' '.join(cells)}" in read.text.replace("\u2009", ",")
 
 
 def test_page_is_well_formed_and_accessible(reported):

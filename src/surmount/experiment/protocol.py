@@ -66,6 +66,12 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         {"cap_s": task_family(config.obstacle, config.env, config.own_sha256).cap_s},
         analysis=(ANALYSIS,),
         **{kind: _all_trials(kind, config) for kind in TRAININGS},
+        **{
+            f"training:{arm}": tuple(
+                per_network(arm, network) for network in range(config.networks)
+            )
+            for arm in ARMS
+        },
     )
 
 

@@ -12,6 +12,7 @@ from surmount.core.records import write_record
 from surmount.core.run_layout import ARMS, SCHEMA
 from surmount.core.trials import Trials
 from surmount.experiment.graph import StageContext
+from surmount.experiment.learning_speed import read_episodes, steps_to_95
 from surmount.experiment.stages import CURRICULUM, pooled_trials
 from surmount.stats import (
     Bootstrap,
@@ -35,7 +36,7 @@ Record = dict[str, Any]
 
 
 def compare(context: StageContext) -> None:
-    """Write ``statistics.json``: success, completion time and path lengths of both arms."""
+    """Write ``statistics.json``: success, times, path lengths and speed of both arms."""
     (analysis,) = context.inputs["analysis"]
     curriculum = Curriculum.load(analysis.path(CURRICULUM))
     initiation = pooled_trials(context.inputs["initiation"])
@@ -64,6 +65,19 @@ def compare(context: StageContext) -> None:
                 if path in initiation.feature_names
             },
             "networks": compare_networks(arms, context.seed),
+            "steps_to_95": {
+                arm: [
+                    found.to_record()
+                    for found in steps_to_95(
+                        [
+                            read_episodes(artefact, curriculum.parameters)
+                            for artefact in context.inputs[f"training:{arm}"]
+                        ],
+                        curriculum,
+                    )
+                ]
+                for arm in ARMS
+            },
         },
     )
 

@@ -15,8 +15,10 @@ from surmount.stats import (
     KaplanMeier,
     LogRank,
     MethodContrast,
+    NetworkDifference,
     ProportionTest,
     SeedInterval,
+    StepsToThreshold,
 )
 
 
@@ -107,8 +109,12 @@ class Comparison:
         By feature.
     interquartile_mean
         Of the success rates over networks, by arm.
+    mean_difference
+        Curriculum minus control by the paired t-test on network means.
     difference, probability_of_improvement
-        Curriculum against control, over networks.
+        Curriculum against control, over networks, by bootstrap.
+    steps_to_95
+        By arm, when each group's training episodes succeeded in 95 % of cases.
     """
 
     cap_s: float
@@ -116,8 +122,10 @@ class Comparison:
     groups: tuple[GroupComparison, ...]
     path_lengths: Mapping[str, PathComparison]
     interquartile_mean: Mapping[str, SeedInterval]
+    mean_difference: NetworkDifference
     difference: SeedInterval
     probability_of_improvement: SeedInterval
+    steps_to_95: Mapping[str, tuple[StepsToThreshold, ...]]
 
 
 def comparison_of(record: Record) -> Comparison:
@@ -142,8 +150,13 @@ def comparison_of(record: Record) -> Comparison:
         interquartile_mean={
             arm: SeedInterval(**networks["interquartile_mean"][arm]) for arm in ARMS
         },
+        mean_difference=NetworkDifference(**networks["mean_difference"]),
         difference=SeedInterval(**networks["difference"]),
         probability_of_improvement=SeedInterval(**networks["probability_of_improvement"]),
+        steps_to_95={
+            arm: tuple(StepsToThreshold(**found) for found in record["steps_to_95"][arm])
+            for arm in ARMS
+        },
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from surmount.report.document import Document, Section
+from surmount.report.evidence_section import evidence_section
 from surmount.report.film_section import film_section
 from surmount.report.grouping_section import grouping_section
 from surmount.report.learning_section import learning_section
@@ -10,7 +11,7 @@ from surmount.report.paper_section import paper_section
 from surmount.report.provenance_section import provenance_section
 from surmount.report.results import RunResults
 from surmount.report.summary import facts, notices, summary
-from surmount.report.testing_section import evidence_section, testing_section
+from surmount.report.testing_section import testing_section
 
 
 def document_of(results: RunResults) -> Document:
@@ -20,7 +21,7 @@ def document_of(results: RunResults) -> Document:
         grouping_section(results.analysis),
         learning_section(results),
         testing_section(results.analysis, comparison, results.tests),
-        evidence_section(comparison),
+        evidence_section(results.analysis, comparison, results.tests),
         film_section(results.films),
         paper_section(results),
         provenance_section(folder),

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.core.run_layout import ARMS
@@ -21,13 +19,13 @@ from surmount.report.document import (
     Section,
     Table,
 )
+from surmount.report.evidence_section import evidence_row
 from surmount.report.grouping_section import group_table, level_table
 from surmount.report.paper_section import claim_table
 from surmount.report.profile_figure import THRESHOLDS, profiles
-from surmount.report.results import Outcomes, RunResults
+from surmount.report.results import RunResults
 from surmount.report.success_figure import success_by_group
 from surmount.report.summary import notices
-from surmount.report.testing_section import evidence_row
 from surmount.report.text import counted, duration, integer, listed, number
 from surmount.report.variant_figure import success_by_variant
 from surmount.stats import (
@@ -137,24 +135,13 @@ def _of_obstacle(figure: Figure, run: RunResults) -> Figure:
 # All obstacles together ------------------------------------------------------------------------
 
 
-def _scores(outcomes: Outcomes) -> FloatArray:
-    """Return each network's success on each variant, shape ``(network, variant)``."""
-    _, variant = np.unique(outcomes.variant, axis=0, return_inverse=True)
-    _, network = np.unique(outcomes.network, return_inverse=True)
-    shape = (int(network.max()) + 1, int(variant.max()) + 1)
-    cell = network * shape[1] + variant.reshape(-1)
-    tried = np.bincount(cell, minlength=shape[0] * shape[1])
-    won = np.bincount(cell, weights=outcomes.success, minlength=shape[0] * shape[1])
-    return (won / tried).reshape(shape)
-
-
 def _together(runs: Sequence[RunResults]) -> Section | None:
     """Summarise over networks, each obstacle being a stratum with networks of its own."""
     finished = [run for run in runs if all(arm in run.tests for arm in ARMS)]
     if not finished:
         return None
     scores: dict[str, dict[str, FloatArray]] = {
-        arm: {run.folder.obstacle: _scores(run.tests[arm]) for run in finished} for arm in ARMS
+        arm: {run.folder.obstacle: run.tests[arm].scores() for run in finished} for arm in ARMS
     }
     bootstrap = Bootstrap(seed=SEED)
     first, second = (scores[arm] for arm in ARMS)

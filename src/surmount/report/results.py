@@ -85,6 +85,16 @@ class Outcomes:
     success: BoolArray
     path_lengths: Mapping[str, FloatArray]
 
+    def scores(self) -> FloatArray:
+        """Return each network's success rate on each variant, shape ``(network, variant)``."""
+        _, variant = np.unique(self.variant, axis=0, return_inverse=True)
+        _, network = np.unique(self.network, return_inverse=True)
+        shape = (int(network.max()) + 1, int(variant.max()) + 1)
+        cell = network * shape[1] + variant.reshape(-1)
+        tried = np.bincount(cell, minlength=shape[0] * shape[1])
+        won = np.bincount(cell, weights=self.success, minlength=shape[0] * shape[1])
+        return (won / tried).reshape(shape)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RunResults:

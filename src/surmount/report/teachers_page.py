@@ -27,7 +27,7 @@ from surmount.report.page import page
 from surmount.report.palette import INK, SEQUENTIAL
 from surmount.report.plots import compact, plain, plot
 from surmount.report.stills import axes_grid, draw, write_still
-from surmount.report.text import integer, percent, percent_interval, variant_label
+from surmount.report.text import integer, percent, percent_interval, reached, variant_label
 
 PAGE = "teachers.html"
 FIGURES = "figures"
@@ -163,9 +163,7 @@ def _speed_table(record: Record) -> Table:
         (
             teacher["title"],
             *(
-                f"{speed['n_reached']} of {speed['n_networks']}"
-                + ("" if speed["median_steps"] is None
-                   else f", median {integer(round(speed['median_steps']))}")
+                reached(speed["n_reached"], speed["n_networks"], speed["median_steps"])
                 for speed in teacher["steps_to_95"]
             ),
         )

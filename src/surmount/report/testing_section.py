@@ -1,4 +1,4 @@
-"""Section: both arms tested, by the statistics of the paper and over networks."""
+"""Section: both arms tested, by the statistics of the paper."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from surmount.report.text import (
     name_and_unit,
     number,
     p_value,
-    percent,
     percent_interval,
     signed,
 )
@@ -33,7 +32,7 @@ from surmount.report.verdicts import (
     success_verdict,
     time_verdict,
 )
-from surmount.stats import KaplanMeier, MethodContrast, SeedInterval
+from surmount.stats import KaplanMeier, MethodContrast
 
 
 def testing_section(
@@ -70,56 +69,6 @@ def testing_section(
     return Section(
         anchor="testing", title="Testing: curriculum against control", blocks=tuple(blocks)
     )
-
-
-def evidence_section(comparison: Comparison | None) -> Section | None:
-    """Show what the networks, rather than their trials, tell; ``None`` before the statistics."""
-    if comparison is None:
-        return None
-    rows = [
-        evidence_row(
-            f"success, interquartile mean, {ARM_STYLES[arm].name}",
-            comparison.interquartile_mean[arm],
-        )
-        for arm in ARMS
-    ]
-    rows.append(evidence_row("difference, curriculum − control", comparison.difference, "points"))
-    rows.append(evidence_row("probability of improvement", comparison.probability_of_improvement))
-    table = Table(
-        label="",
-        title="Success over networks",
-        columns=(
-            Column(heading="measure"),
-            Column(heading="estimate", numeric=True),
-            Column(heading="95 % interval", numeric=True),
-        ),
-        rows=tuple(rows),
-        notes=(
-            (
-                "Percentile bootstrap over whole networks, each keeping its success rates on all "
-                f"variants; {comparison.difference.resamples:,} resamples. Probability of "
-                "improvement: that a network with the curriculum beats one without on a variant, "
-                "ties counted half; 50 % means no difference."
-            ),
-            *([comparison.difference.reason] if comparison.difference.reason else []),
-        ),
-    )
-    text = (
-        "The tests above take every trial as an independent draw. Whether another training run "
-        f"would show the same is a question about networks, of which there are "
-        f"{comparison.difference.n_networks[0]} here. Intervals from few networks are too narrow "
-        "rather than too wide."
-    )
-    return Section(
-        anchor="evidence", title="Evidence over networks", blocks=(Paragraph(text=text), table)
-    )
-
-
-def evidence_row(name: str, found: SeedInterval, unit: str = "%") -> tuple[str, str, str]:
-    """Return a row of a table: name, estimate and interval."""
-    values = (percent(found.estimate, 1), percent_interval(found.lower, found.upper, 1))
-    estimate, limits = (value.replace("%", unit) for value in values)
-    return name, estimate, limits
 
 
 def success_table(comparison: Comparison) -> Table:

@@ -183,3 +183,11 @@ def short(name: str) -> str:
 def counted(count: int, singular: str, plural: str | None = None) -> str:
     """Return ``"1 level"`` or ``"3 levels"``."""
     return f"{integer(count)} {singular if count == 1 else plural or singular + 's'}"
+
+
+def reached(n_reached: int, n_networks: int, median_steps: float | None) -> str:
+    """Return how many networks reached a threshold, and the median of their learning steps."""
+    count = f"{n_reached} of {n_networks}"
+    if median_steps is None:
+        return count
+    return f"{count}, median {integer(round(median_steps))}"

@@ -1,0 +1,104 @@
+"""How soon training episodes of each group succeed, from the record of all episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.curriculum import Curriculum
+from surmount.core.records import read_record
+from surmount.core.regions import Regions
+from surmount.core.store import Artefact
+from surmount.experiment.history_tables import EPISODES
+from surmount.experiment.stages import TRAINING
+from surmount.stats import StepsToThreshold, steps_to_threshold
+
+EVALUATIONS = 40
+"""Moments, evenly over the longest training, at which success in training is looked at."""
+WINDOW = 30
+"""Newest episodes of a group that make its success in training."""
+FEWEST = 10
+"""Episodes of a group below which its success in training counts as not known."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrainingEpisodes:
+    """All episodes of one network's training.
+
+    Attributes
+    ----------
+    budget
+        Learning steps of the training.
+    steps
+        Learning steps at which each episode ended, ascending, ``(episode,)``.
+    tasks
+        Task of each, ``(episode, parameter)``.
+    success
+        Whether it succeeded, ``(episode,)``.
+    """
+
+    budget: int
+    steps: IntArray
+    tasks: FloatArray
+    success: BoolArray
+
+
+def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpisodes:
+    """Read the episodes of a training stage."""
+    table = pl.read_parquet(artefact.path(EPISODES))
+    columns = [f"variant.{name}" for name in parameters]
+    return TrainingEpisodes(
+        budget=int(read_record(artefact.path(TRAINING))["steps"]),
+        steps=table["steps"].to_numpy().astype(np.int64),
+        tasks=table.select(columns).to_numpy().astype(np.float64),
+        success=table["success"].to_numpy().astype(np.bool_),
+    )
+
+
+def steps_to_95(
+    trainings: Sequence[TrainingEpisodes], curriculum: Curriculum
+) -> list[StepsToThreshold]:
+    """Return for each group when 95 % of its newest training episodes succeeded.
+
+    Parameters
+    ----------
+    trainings
+        Of all networks of one arm or teacher.
+    curriculum
+        Whose groups the tasks are sorted into.
+    """
+    regions = Regions.of(curriculum)
+    longest = max(1, *(training.budget for training in trainings))
+    moments = np.linspace(0, longest, EVALUATIONS + 1)[1:]
+    rates = np.zeros((len(curriculum.groups), len(trainings), EVALUATIONS))
+    for network, training in enumerate(trainings):
+        owner = regions.index(training.tasks)
+        for group in range(len(curriculum.groups)):
+            own = owner == group
+            rates[group, network] = success_in_training(
+                training.steps[own], training.success[own], moments
+            )
+    return [steps_to_threshold(moments, of_group) for of_group in rates]
+
+
+def success_in_training(steps: IntArray, success: BoolArray, moments: FloatArray) -> FloatArray:
+    """Return the success of the newest :data:`WINDOW` episodes at each moment.
+
+    0 as long as there are fewer than :data:`FEWEST`.
+
+    Parameters
+    ----------
+    steps, success
+        Of a group's episodes in the order in which they ended, ``(episode,)``.
+    moments
+        Learning steps, ``(moment,)``.
+    """
+    rates = np.zeros(moments.size)
+    for index, ended in enumerate(np.searchsorted(steps, moments, side="right")):
+        if ended >= FEWEST:
+            rates[index] = success[max(0, ended - WINDOW) : ended].mean()
+    return rates
