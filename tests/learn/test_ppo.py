@@ -197,6 +197,31 @@ def test_a_callback_can_end_the_rollout():
     assert lean.num_timesteps == 3 * CONFIG.num_envs
 
 
+def test_stepping_leaves_the_cores_to_the_environment_and_the_update_has_them_back():
+    during: list[int] = []
+
+    class Watched(PointEnv):
+        def step(self, actions):
+            during.append(torch.get_num_threads())
+            return super().step(actions)
+
+    class Fails(BaseCallback):
+        def _on_step(self) -> bool:
+            raise RuntimeError
+
+    before = torch.get_num_threads()
+    try:
+        torch.set_num_threads(2)
+        collect(lean_learner(env=Watched(4)), seed=0)
+        assert set(during) == {1}
+        assert torch.get_num_threads() == 2
+        with pytest.raises(RuntimeError):
+            collect(lean_learner(), seed=0, callback=Fails())
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+
+
 def test_an_observation_that_is_not_finite_is_refused_with_a_sentence():
     class Broken(PointEnv):
         def step(self, actions):

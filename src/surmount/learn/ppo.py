@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, cast
 
 import gymnasium
@@ -23,6 +24,21 @@ from surmount.learn.update import Batch, Loss, ppo_loss
 
 ADAM_EPSILON = 1e-5
 """Stable-Baselines3's default, which it forgets as soon as Adam is given any other option."""
+
+
+@contextmanager
+def one_thread() -> Generator[None]:
+    """Let PyTorch compute in the calling thread alone.
+
+    Few rows gain nothing from its threads, which after every product spin for a while on the cores
+    that the physics engine's threads need.
+    """
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 class ResumablePPO(PPO):
@@ -108,16 +124,17 @@ class ResumablePPO(PPO):
         observations: Any = self._last_obs
         starts: Any = self._last_episode_starts
         callback.on_rollout_start()
-        for _ in range(n_rollout_steps):
-            new_obs, rewards, dones, infos = env.step(collection.act(observations))
-            self.num_timesteps += env.num_envs
-            callback.update_locals(locals())
-            if not callback.on_step():
-                return False
-            self._update_info_buffer(infos, dones)
-            collection.add(starts, rewards, dones, infos)
-            self._last_obs = observations = cast("Any", new_obs)
-            self._last_episode_starts = starts = dones
+        with one_thread():
+            for _ in range(n_rollout_steps):
+                new_obs, rewards, dones, infos = env.step(collection.act(observations))
+                self.num_timesteps += env.num_envs
+                callback.update_locals(locals())
+                if not callback.on_step():
+                    return False
+                self._update_info_buffer(infos, dones)
+                collection.add(starts, rewards, dones, infos)
+                self._last_obs = observations = cast("Any", new_obs)
+                self._last_episode_starts = starts = dones
         collection.finish(observations, starts)
         callback.update_locals(locals())
         callback.on_rollout_end()
