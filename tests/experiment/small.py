@@ -74,12 +74,12 @@ def run_small(root: Path, config: ExperimentConfig, processes: int = 0, url=None
     return outcome, watcher
 
 
-def run_first_stages(root: Path, config: ExperimentConfig) -> Path:
+def run_first_stages(root: Path, config: ExperimentConfig, stages: int = 2) -> Path:
     """Train the first network and log its trials, and leave the run there."""
     begin(root, config)
     watcher = Watcher()
     executor = make_executor(0, watcher.listen)
-    GraphRunner(root, protocol(config)[:2], executor, watcher).run()
+    GraphRunner(root, protocol(config)[:stages], executor, watcher).run()
     return root
 
 

@@ -59,6 +59,20 @@ def test_a_trial_simulated_again_equals_its_log_to_the_last_bit(root, table):
         assert motion.success == trials.success[trial]
 
 
+def test_a_trial_of_a_shard_is_simulated_again_with_the_shards_seed(tmp_path):
+    shards = {"trials.repetitions": 3, "tests.repetitions": 2, "rollout_shards": 2}
+    config = small_config(networks=1, initial_steps=0, **{"env.episode_s": 1.0}, **shards)
+    root = run_first_stages(tmp_path / "run", config, stages=4)
+    trials = read_trials(next(root.glob("stages/trials/**/trials.parquet")))
+    variants, index = trials.variants()
+    for variant in range(len(variants)):
+        np.testing.assert_array_equal(trials.repetition[index == variant], [0, 1, 2])
+    log = run_log(open_run(root), "trials/network-0", trials, "log")
+    for repetition in range(3):
+        motion = logged_motion(log, log.find(250.0, repetition, 0))
+        assert motion.caption.endswith("simulated again: equal to its log")
+
+
 def test_a_trial_with_randomised_physics_is_simulated_again_with_its_own_draws(tmp_path):
     ranges = {
         "env.randomisation.friction_factor": [0.7, 1.3],

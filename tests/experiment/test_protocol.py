@@ -15,11 +15,12 @@ import pytest
 from small import content, run_small, small_config
 
 from surmount.core.curriculum import Curriculum
-from surmount.core.errors import OutputError
+from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials
-from surmount.experiment import begin, load_config
+from surmount.experiment import begin, load_config, protocol
+from surmount.experiment.graph import check_graph
 
 HERE = Path(__file__).parent
 
@@ -178,6 +179,32 @@ def test_a_folder_with_other_files_is_refused(tmp_path):
 def test_the_configuration_is_read_back_from_the_folder(finished):
     root, _, _ = finished
     assert load_config(root) == small_config()
+
+
+def test_shards_of_trials_have_seeds_of_their_own_and_together_every_repetition():
+    config = small_config(rollout_shards=3, **{"trials.repetitions": 5, "tests.repetitions": 3})
+    graph = {stage.name: stage for stage in protocol(config)}
+    assert check_graph(graph.values())
+    (analysis,) = (stage for stage in graph.values() if stage.name == "analysis")
+    for name in analysis.inputs["trials"]:
+        shards = [graph[shard] for shard in graph[name].inputs["shards"]]
+        counts = [shard.config["trials"]["repetitions"] for shard in shards]
+        firsts = [shard.config["first_repetition"] for shard in shards]
+        assert (counts, firsts) == ([2, 2, 1], [0, 2, 4])
+    seeds = [stage.seed for stage in graph.values()]
+    assert len(set(seeds)) == len(seeds)
+
+
+def test_one_shard_leaves_every_stage_as_it_was():
+    config = small_config()
+    assert config.rollout_shards == 1
+    assert not any(stage.name.startswith("shard/") for stage in protocol(config))
+
+
+@pytest.mark.parametrize("shards", [0, 2, 31])
+def test_more_shards_than_repetitions_are_refused(shards):
+    with pytest.raises(ConfigError, match="rollout_shards"):
+        small_config(rollout_shards=shards)  # one repetition in tests
 
 
 @pytest.mark.parametrize("obstacle", ["low-entrance", "step"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from surmount.analysis import AnalysisConfig
+from surmount.core.configuration import Record, to_record
 from surmount.core.errors import ConfigError
 from surmount.core.run_layout import MOST_NETWORKS
 from surmount.envs import EnvConfig
@@ -61,6 +62,10 @@ class ExperimentConfig:
     tests: RolloutConfig = field(default_factory=RolloutConfig)
     """Roll-outs that test the trained networks."""
 
+    rollout_shards: int = 1
+    """Stages that the roll-outs of a network are divided into by repetitions, to run side by side.
+    Each has a seed of its own, so another number gives other trials."""
+
     def __post_init__(self) -> None:
         for name, least, most in (
             ("networks", 1, MOST_NETWORKS),
@@ -73,7 +78,20 @@ class ExperimentConfig:
                 )
             if getattr(self, name) > most:
                 raise ConfigError(f"`{name}` is too large.", remedy=f"Give at most {most:,}.")
+        fewest = min(self.trials.repetitions, self.tests.repetitions)
+        if not 1 <= self.rollout_shards <= fewest:
+            raise ConfigError(
+                f"`rollout_shards` is {self.rollout_shards}.",
+                remedy=f"Give a number from 1 to {fewest}, the repetitions of a variant.",
+            )
         if not 0 <= self.seed < 2**31:
             raise ConfigError(
                 f"`seed` is {self.seed}.", remedy="Give a number from 0 to 2147483647."
             )
+
+
+def task_part(config: ExperimentConfig) -> Record:
+    """Return what the environments of an experiment depend on."""
+    record = to_record(config)
+    part = {"obstacle": record["obstacle"], "env": record["env"]}
+    return part | ({"own_sha256": config.own_sha256} if config.own_sha256 else {})

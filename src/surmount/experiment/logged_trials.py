@@ -18,7 +18,7 @@ from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage
 from surmount.experiment.policy_pilot import PolicyPilot
 from surmount.experiment.protocol import protocol
-from surmount.experiment.stages import NETWORK, run_trials
+from surmount.experiment.stages import FIRST, NETWORK, join_trials, run_trials
 from surmount.learn import RolloutConfig, Snapshot
 
 
@@ -102,31 +102,40 @@ def logged_motion(log: Log, trial: int) -> Motion:
 def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
     """Return a trial simulated again, or None where what it was made with is not at hand."""
     run = log.run
-    stage = None if run is None else _definition(run, log.stage)
+    stage = None if run is None else _definition(run, log.stage, int(log.trials.repetition[trial]))
     if run is None or stage is None:
         return None
     made = run.stages.get(stage.inputs["network"][0])
     rollout = from_record(RolloutConfig, stage.config["trials"])
-    if made is None or log.trials.n_trials != log.sizes_mm.size * rollout.repetitions:
+    first, sizes = int(stage.config.get(FIRST, 0)), log.sizes_mm.size
+    shard = (log.trials.repetition >= first) & (log.trials.repetition < first + rollout.repetitions)
+    if made is None or int(shard.sum()) != sizes * rollout.repetitions:
         return None
+    index = trial - int(shard.argmax())  # a shard's rows follow one another
     pilot = PolicyPilot(
         Snapshot.load(made.path(NETWORK)),
         log.obstacle,
         seed=stage.seed,
         deterministic=rollout.deterministic,
-        trials=log.trials.n_trials,
-        trial=trial,
+        trials=int(shard.sum()),
+        trial=index,
     )
     return record_motion(
-        log.obstacle, log.config, size_mm, pilot, caption="", seed=stage.seed, stream=trial
+        log.obstacle, log.config, size_mm, pilot, caption="", seed=stage.seed, stream=index
     )
 
 
-def _definition(run: RunFolder, name: str) -> Stage | None:
-    """Return the stage of roll-outs as the run's protocol defines it."""
-    stages = protocol(from_record(ExperimentConfig, run.config))
-    found = (stage for stage in stages if stage.name == name and stage.function is run_trials)
-    return next(found, None)
+def _definition(run: RunFolder, name: str, repetition: int) -> Stage | None:
+    """Return the stage that rolled a repetition out, as the run's protocol defines it."""
+    stages = {stage.name: stage for stage in protocol(from_record(ExperimentConfig, run.config))}
+    stage = stages.get(name)
+    if stage is not None and stage.function is join_trials:
+        shards = [stages[shard] for shard in stage.inputs["shards"]]
+        stage = max(
+            (shard for shard in shards if shard.config[FIRST] <= repetition),
+            key=lambda shard: shard.config[FIRST],
+        )
+    return stage if stage is not None and stage.function is run_trials else None
 
 
 def _departure(motion: Motion, features: FloatArray) -> str:

@@ -12,10 +12,11 @@ from surmount.core.configuration import Record, to_record
 from surmount.core.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
-from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.config import ExperimentConfig, task_part
 from surmount.experiment.graph import Stage, StageFunction
 from surmount.experiment.statistics import compare
 from surmount.experiment.task_family import task_family
+from surmount.experiment.trial_stages import trial_stages
 
 
 def protocol(config: ExperimentConfig) -> list[Stage]:
@@ -30,7 +31,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
     for network in networks:
         initial = per_network("initiation", network)
         yield _stage(config, initial, stages.initiate, train | _part(record, "initial_steps"))
-        yield _trials_stage(config, record["trials"], "initiation", network)
+        yield from _trials(config, "initiation", record["trials"], network)
     yield _stage(
         config,
         ANALYSIS,
@@ -58,7 +59,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
             curriculum=(curriculum,),
         )
         for arm in ARMS:
-            yield _trials_stage(config, record["tests"], arm, network)
+            yield from _trials(config, arm, record["tests"], network)
     yield _stage(
         config,
         STATISTICS,
@@ -79,14 +80,9 @@ def _all_trials(kind: str, config: ExperimentConfig) -> tuple[str, ...]:
     return tuple(per_network(TRIALS[kind], network) for network in range(config.networks))
 
 
-def _trials_stage(config: ExperimentConfig, trials: Record, kind: str, network: int) -> Stage:
-    return _stage(
-        config,
-        per_network(TRIALS[kind], network),
-        stages.run_trials,
-        task_part(config) | {"trials": trials, "network": network},
-        network=(per_network(kind, network),),
-    )
+def _trials(config: ExperimentConfig, kind: str, trials: Record, network: int) -> list[Stage]:
+    name, trained = per_network(TRIALS[kind], network), per_network(kind, network)
+    return trial_stages(config, name, trials, network, trained)
 
 
 def _stage(
@@ -103,12 +99,6 @@ def _stage(
         seed=derive_seed(config.seed, config.obstacle, name),
         inputs=inputs,
     )
-
-
-def task_part(config: ExperimentConfig) -> Record:
-    """Return what the environments of an experiment depend on."""
-    part = _part(to_record(config), "obstacle", "env")
-    return part | ({"own_sha256": config.own_sha256} if config.own_sha256 else {})
 
 
 def _part(record: Record, *keys: str) -> Record:

@@ -50,6 +50,8 @@ TRAINING = "training.json"
 TRIALS = "trials.parquet"
 ANALYSIS = "analysis.json"
 CURRICULUM = "curriculum.json"
+FIRST = "first_repetition"
+"""Key of the configuration of a shard of trials: the number of its first repetition."""
 
 
 def initiate(context: StageContext) -> None:
@@ -80,7 +82,13 @@ def run_trials(context: StageContext) -> None:
         )
     finally:
         env.close()
-    write_trials(context.output / TRIALS, trials)
+    first = int(context.config.get(FIRST, 0))
+    write_trials(context.output / TRIALS, replace(trials, repetition=trials.repetition + first))
+
+
+def join_trials(context: StageContext) -> None:
+    """Put the shards of a network's trials together, one after the other."""
+    write_trials(context.output / TRIALS, pooled_trials(context.inputs["shards"]))
 
 
 def analyse(context: StageContext) -> None:

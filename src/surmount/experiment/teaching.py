@@ -19,10 +19,11 @@ from surmount.core.run_layout import ANALYSIS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
 from surmount.core.task_space import harder_by_success
 from surmount.experiment import stages
-from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.config import ExperimentConfig, task_part
 from surmount.experiment.graph import Stage, StageContext
-from surmount.experiment.protocol import protocol, task_part
+from surmount.experiment.protocol import protocol
 from surmount.experiment.teacher_statistics import compare_teachers
+from surmount.experiment.trial_stages import trial_stages
 from surmount.learn import Snapshot
 from surmount.teachers import AdvancementConfig, Brief, TeachersConfig, find_teacher, make_teacher
 
@@ -112,15 +113,8 @@ def _arm(
             "curriculum": (per_network("curriculum", network),),
         },
     )
-    name = test_stage(teacher, network)
-    test = Stage(
-        name=name,
-        function=stages.run_trials,
-        config={**task_part(config), "trials": record["tests"], "network": network},
-        seed=derive_seed(config.seed, config.obstacle, name),
-        inputs={"network": (train.name,)},
-    )
-    return [train, test]
+    tested = test_stage(teacher, network)
+    return [train, *trial_stages(config, tested, record["tests"], network, train.name)]
 
 
 def learn_by_teacher(context: StageContext) -> None:

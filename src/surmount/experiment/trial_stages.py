@@ -1,0 +1,66 @@
+"""Roll-outs of one network as stages: one, or several shards that may run side by side."""
+
+from __future__ import annotations
+
+from surmount.core.configuration import Record
+from surmount.core.seeds import derive_seed
+from surmount.experiment import stages
+from surmount.experiment.config import ExperimentConfig, task_part
+from surmount.experiment.graph import Stage
+from surmount.experiment.stages import FIRST
+
+
+def trial_stages(
+    config: ExperimentConfig, name: str, trials: Record, network: int, trained: str
+) -> list[Stage]:
+    """Return the stages that try a network on every variant; the last one has the trials.
+
+    With ``rollout_shards`` above one, each shard takes its part of the repetitions, with a seed of
+    its own.
+
+    Parameters
+    ----------
+    config
+        The experiment.
+    name
+        Name of the stage that has the trials in the end.
+    trials
+        Record of the roll-outs' configuration.
+    network
+        Index of the network, kept in the trials.
+    trained
+        Name of the stage that trained it.
+    """
+    part = task_part(config) | {"trials": trials, "network": network}
+    if config.rollout_shards == 1:
+        return [
+            Stage(
+                name=name,
+                function=stages.run_trials,
+                config=part,
+                seed=derive_seed(config.seed, config.obstacle, name),
+                inputs={"network": (trained,)},
+            )
+        ]
+    shards: list[Stage] = []
+    first = 0
+    for index in range(config.rollout_shards):
+        count = len(range(index, int(trials["repetitions"]), config.rollout_shards))
+        shard = f"shard/{name}/{index}"
+        shards.append(
+            Stage(
+                name=shard,
+                function=stages.run_trials,
+                config=part | {"trials": trials | {"repetitions": count}, FIRST: first},
+                seed=derive_seed(config.seed, config.obstacle, shard),
+                inputs={"network": (trained,)},
+            )
+        )
+        first += count
+    whole = Stage(
+        name=name,
+        function=stages.join_trials,
+        seed=derive_seed(config.seed, config.obstacle, name),
+        inputs={"shards": tuple(shard.name for shard in shards)},
+    )
+    return [*shards, whole]
