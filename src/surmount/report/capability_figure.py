@@ -40,12 +40,20 @@ def write_capability_figure(record: Mapping[str, Any], folder: Path) -> None:
 
 
 def _draw(record: Mapping[str, Any]) -> Figure:
-    columns = record["columns"]
+    columns = sorted(record["columns"], key=_order)
     gears = list(dict.fromkeys(column["gear"] for column in columns))
     obstacle = record["config"]["obstacle"]
-    figure, axes = axes_grid(1, max(1, len(gears)), height_in=3.2, share_y=True)
-    for axis, gear in zip(axes, gears, strict=False):
-        of_gear = [column for column in columns if column["gear"] == gear]
+    by_gear = {
+        gear: [column for column in columns if column["gear"] == gear] for gear in gears
+    } or {"": []}
+    figure, axes = axes_grid(
+        1,
+        len(by_gear),
+        height_in=3.4,
+        share_y=True,
+        width_ratios=[len(of_gear) + 1 for of_gear in by_gear.values()],
+    )
+    for axis, (gear, of_gear) in zip(axes, by_gear.items(), strict=True):
         for place, column in enumerate(of_gear):
             sizes = np.array([cell["size_mm"] for cell in column["cells"]])
             feasible = np.array([cell["feasible"] for cell in column["cells"]])
@@ -58,7 +66,8 @@ def _draw(record: Mapping[str, Any]) -> Figure:
         axis.set_xticks(range(len(of_gear)), [_tick(column) for column in of_gear])
         axis.set_xlim(-0.6, len(of_gear) - 0.4)
         axis.set_title(gear)
-        axis.set_xlabel("friction")
+        scaled = any(column["torque_factor"] != 1 for column in of_gear)
+        axis.set_xlabel("friction, below it the factor on torques" if scaled else "friction")
     axes[0].set_ylabel("size in mm")
     figure.legend(
         handles=[
@@ -72,6 +81,15 @@ def _draw(record: Mapping[str, Any]) -> Figure:
     return figure
 
 
+def _order(column: Mapping[str, Any]) -> tuple[int, float, float]:
+    plainest_first = ("wheels", "whegs", "both")
+    return (
+        plainest_first.index(column["gear"]),
+        column["torque_factor"],
+        column["friction"],
+    )
+
+
 def _tick(column: Mapping[str, Any]) -> str:
     factor = column["torque_factor"]
-    return f"{column['friction']:g}" + ("" if factor == 1 else f"\ntorque x{factor:g}")
+    return f"{column['friction']:g}" + ("" if factor == 1 else f"\n×{factor:g}")

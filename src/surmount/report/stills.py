@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,10 +67,13 @@ def axes_grid(
     used: int | None = None,
     share_y: bool = False,
     share_x: bool = False,
+    width_ratios: Sequence[float] | None = None,
 ) -> tuple[StillFigure, list[Axes]]:
     """Return a figure with so many axes in reading order; those beyond ``used`` are hidden."""
     figure = StillFigure(figsize=(width_in, height_in), layout="constrained")
-    grid = figure.subplots(rows, columns, squeeze=False, sharey=share_y, sharex=share_x)
+    grid = figure.subplots(
+        rows, columns, squeeze=False, sharey=share_y, sharex=share_x, width_ratios=width_ratios
+    )
     axes: list[Axes] = list(np.asarray(grid).ravel())
     for spare in axes[used or len(axes) :]:
         spare.set_visible(False)
