@@ -105,6 +105,24 @@ def test_a_part_within_step_or_floor_or_under_it_has_tunnelled(where, seen):
     assert looks.tunnelled(np.array([STEP_MM])).tolist() == [seen]
 
 
+def test_a_part_that_came_under_the_floor_round_its_edge_has_not_tunnelled():
+    env, looks = watched()
+    size_mm = np.array([STEP_MM])
+    for where, seen in (
+        ({"z": -0.2}, True),  # through it
+        ({"x": -0.9, "z": 0.1}, False),
+        ({"x": -0.9, "z": -0.2}, False),
+        ({"x": -0.5, "z": -0.2}, False),  # round its rear edge
+        ({"x": -0.5, "z": 0.1}, False),
+        ({"x": -0.5, "z": -0.2}, True),  # through it again
+    ):
+        qpos = env.simulation.batch.bind("qpos")[0]
+        for place, value in where.items():
+            qpos["xyz".find(place)] = value
+        env.simulation.advance(np.zeros((1, 3)), np.array([True]))  # no episode that could end
+        assert looks.tunnelled(size_mm).tolist() == [seen], where
+
+
 def test_a_wheel_within_a_wall_has_tunnelled_and_one_beside_it_has_not():
     env, looks = watched("narrow-channel")
     for y_m, seen in ((0.0, False), (0.03, True)):

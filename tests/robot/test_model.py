@@ -128,6 +128,42 @@ def test_parts_of_the_robot_keep_apart_over_the_whole_range(gear):
         assert nub_gap > (-0.47 if sprawl == 180 else 1.0)
 
 
+def test_stops_keep_parts_apart_where_an_obstacle_is_stronger_than_the_servos():
+    model = compiled(RobotConfig())
+    body, left = (
+        model.geom("body").id,
+        [
+            geom
+            for geom in range(model.ngeom)
+            if model.geom_contype[geom] and model.geom(geom).name.startswith("left")
+        ],
+    )
+    for joint, sign in itertools.product(("left_sprawl", "left_fbem"), (-1, 1)):
+        data = posed(model, 90, 0)
+        hinge = model.joint(joint)
+        # Half as strong again as the servo, against it.
+        data.qfrc_applied[hinge.dofadr[0]] = sign * 1.5 * model.actuator(joint).forcerange[1]
+        for _ in range(1200):
+            mujoco.mj_step(model, data)
+        beyond = sign * (data.joint(joint).qpos[0] - hinge.range[(sign + 1) // 2])
+        assert -0.1 < np.degrees(beyond) < 0.5
+        gaps = [mujoco.mj_geomDistance(model, data, body, geom, 0.02, None) for geom in left]
+        assert min(gaps) > 0.003
+
+
+def test_a_joint_set_free_far_from_its_target_turns_no_faster_than_its_motor():
+    config = RobotConfig()
+    model = compiled(config)
+    data = posed(model, 0, 0)
+    data.act[model.actuator("left_sprawl").actadr[0]] = np.radians(170)
+    fastest = 0.0
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+        fastest = max(fastest, abs(data.joint("left_sprawl").qvel[0]))
+    most = config.sprawl_torque_nm / config.sprawl_damping_nmsprad
+    assert 0.5 * most < fastest < 1.1 * most
+
+
 def on_floor(config, sprawl=48.0, fbem=0.0):
     """A robot standing on a plane, its servos holding the pose."""
     spec = mujoco.MjSpec()

@@ -37,11 +37,14 @@ class Dynamics:
         self._friction: FloatArray = model.geom_friction[self._geoms, 0].copy()
         self._mass: FloatArray = model.body_mass[self._bodies].copy()
         self._inertia: FloatArray = model.body_inertia[self._bodies].copy()
+        self._driven: IntArray = model.jnt_dofadr[model.actuator_trnid[:, 0]]
+        self._damping: FloatArray = model.dof_damping[self._driven].copy()
         self._gain: FloatArray = model.actuator_gainprm.copy()
         self._bias: FloatArray = model.actuator_biasprm.copy()
         self._frictions: FloatArray = batch.expand("geom_friction")
         self._masses: FloatArray = batch.expand("body_mass")
         self._inertias: FloatArray = batch.expand("body_inertia")
+        self._dampings: FloatArray = batch.expand("dof_damping")
         self._gains: FloatArray = batch.expand("actuator_gainprm")
         self._biases: FloatArray = batch.expand("actuator_biasprm")
 
@@ -61,9 +64,10 @@ class Dynamics:
             self._frictions[env, self._geoms, 0] = self._friction * friction
             self._masses[env, self._bodies] = self._mass * mass
             self._inertias[env, self._bodies] = self._inertia * mass
-            gain = row[self._gain_of_servo][:, None]
-            self._gains[env] = self._gain * gain
-            self._biases[env] = self._bias * gain
+            gain = row[self._gain_of_servo]
+            self._dampings[env, self._driven] = self._damping * gain
+            self._gains[env] = self._gain * gain[:, None]
+            self._biases[env] = self._bias * gain[:, None]
         self._batch.set_const(envs)
 
 

@@ -24,8 +24,8 @@ from surmount.robot.parts import ROBOT_BIT, SIDES
 from surmount.robot.running_gear import wheel_names
 
 UNDER_FLOOR_INSET_M = 0.04
-"""How far from its edges the floor counts as above a part: a wheel hanging over an edge may swing
-under the edge itself."""
+"""How far from its edges the floor counts as above a part: between two looks a part may pass the
+edge."""
 
 
 class Soundness:
@@ -51,6 +51,8 @@ class Soundness:
         self._half_size_m: FloatArray = np.array(
             [block.half_size_m for block in blocks(obstacle, config.course)]
         )
+        envs = self._simulation.batch.state.shape[0]
+        self._round_edge: BoolArray = np.zeros((envs, self._centres.size), dtype=np.bool_)
         self._is_floor: BoolArray = np.arange(model.ngeom) == model.geom("floor").id
         self._pairs = _pairs_of_parts(model)
         self._qvel: FloatArray = batch.bind("qvel")
@@ -64,7 +66,8 @@ class Soundness:
         """Return whether a part is where it must not be.
 
         The centre of mass of base, carriers and wheels must not be inside an obstacle's block,
-        inside the floor, or under the floor.
+        inside the floor, or under the floor, unless it came there round an edge: legs of a robot
+        that lies across an edge swing under it. To know, this must be asked after every step.
 
         Parameters
         ----------
@@ -85,7 +88,9 @@ class Soundness:
         edge_m = np.minimum(course.floor_half_width_m - np.abs(y), course.floor_front_m - x)
         edge_m = np.minimum(edge_m, x + course.floor_rear_m)
         in_floor = (z < 0) & (z > -FLOOR_THICKNESS_M) & (edge_m > 0)
+        self._round_edge = np.where(edge_m <= 0, True, self._round_edge & (z <= 0))
         under_floor = (z <= -FLOOR_THICKNESS_M) & (edge_m > UNDER_FLOOR_INSET_M)
+        under_floor &= ~self._round_edge
         return in_block | (in_floor | under_floor).any(axis=1)
 
     def energy_j(self) -> FloatArray:

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 
 from surmount.robot.config import RobotConfig
@@ -26,6 +28,18 @@ def add_parallelogram(spec: mujoco.MjSpec, side: str, config: RobotConfig) -> No
         )
 
 
+STOP_MARGIN_DEG = 1.0
+"""How far beyond the range of commands a joint's stops are; assumed."""
+
+
+def add_stops(joint: mujoco.MjsJoint, range_deg: tuple[float, float], config: RobotConfig) -> None:
+    """Give a joint stops, which hold where an obstacle is stronger than the servo."""
+    low, high = range_deg
+    joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+    joint.range = [math.radians(low - STOP_MARGIN_DEG), math.radians(high + STOP_MARGIN_DEG)]
+    joint.solref_limit = [2 * config.physics_tick_s, 1.0]
+
+
 def add_servo(
     spec: mujoco.MjSpec,
     joint: str,
@@ -37,17 +51,21 @@ def add_servo(
 ) -> None:
     """Add a servo whose control is the rate of its target.
 
-    A stiffness of zero makes a speed servo: its target is an angular speed.
+    A position servo's damping is its motor's and acts at the joint whatever the torque limit, so
+    that a joint set free far from its target turns at ``torque_nm / damping`` at most. A stiffness
+    of zero makes a speed servo: its target is an angular speed.
     """
     stiffness, damping = gains
     gain = stiffness if stiffness > 0 else damping
+    if stiffness > 0:
+        spec.joint(joint).damping[0] = damping
     servo = spec.add_actuator(name=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
     servo.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
     servo.gaintype = mujoco.mjtGain.mjGAIN_FIXED
     servo.gainprm[0] = gain
     servo.biastype = mujoco.mjtBias.mjBIAS_AFFINE
     servo.biasprm[1] = -stiffness
-    servo.biasprm[2] = -damping
+    servo.biasprm[2] = 0.0 if stiffness > 0 else -damping
     servo.actlimited = True
     servo.actrange = target
     servo.ctrllimited = True
