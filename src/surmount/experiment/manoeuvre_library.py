@@ -152,10 +152,12 @@ def build_library(
     config = SearchConfig()
     simulation = Simulation(obstacle, env, config.population, 1)
     sizes = obstacle.variants[:: obstacle.harder]
-    known = _promising(examiner, obstacle.hardest)
+    known: list[Manoeuvre] = []
     library: list[dict[str, Any]] = []
     for size in sizes.tolist():
-        # What served easier variants may serve this one too, and costs no search.
+        # What served easier variants, or was made by hand, may serve this one too without a search.
+        known = list(dict.fromkeys([*known[: CANDIDATES // 2], *_promising(examiner, size)]))
+        known = known[:CANDIDATES]
         entry = _choose(known, examiner, size)
         for attempt in range(ATTEMPTS):
             if entry and len(entry["bears"]) == len(CONDITIONS):
@@ -186,11 +188,15 @@ def build_library(
     return sorted(library, key=lambda found: found["size_mm"])
 
 
-def _promising(examiner: Examiner, hardest_mm: float) -> list[Manoeuvre]:
-    """Return the hand-made manoeuvres that bear most conditions on the hardest variant."""
+def _promising(examiner: Examiner, size_mm: float) -> list[Manoeuvre]:
+    """Return the hand-made manoeuvres that bear most conditions on a variant.
+
+    Those that bear the required ones come first, then those that bear most.
+    """
     ready = templates()
     parts = [ready[begin : begin + CANDIDATES] for begin in range(0, len(ready), CANDIDATES)]
-    borne = np.concatenate([examiner.examine(part, hardest_mm)[0].sum(axis=0) for part in parts])
+    success = np.concatenate([examiner.examine(part, size_mm)[0] for part in parts], axis=1)
+    borne = success.sum(axis=0) + len(CONDITIONS) * success[:REQUIRED].all(axis=0)
     order = np.argsort(-borne, kind="stable")[:CANDIDATES]
     return [ready[index] for index in order.tolist()]
 
