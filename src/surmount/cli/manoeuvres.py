@@ -12,7 +12,7 @@ from surmount.core.configuration import override, to_record
 from surmount.core.records import write_record
 from surmount.core.store import output_errors
 from surmount.envs import OBSTACLES, EnvConfig
-from surmount.experiment.manoeuvre_library import build_libraries
+from surmount.experiment.manoeuvre_library import ATTEMPTS, build_libraries
 from surmount.experiment.provenance import machine, versions
 
 
@@ -23,6 +23,7 @@ def manoeuvres(
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
     seed: int = 0,
+    searches: int = ATTEMPTS,
     processes: int = 2,
 ) -> int:
     """Find a manoeuvre for every variant, chosen for the margins that it bears.
@@ -36,11 +37,15 @@ def manoeuvres(
         config: TOML or JSON file of options to change, such as robot.friction = 1.0.
         set: Option to change, as key=value; may be repeated; overrides the file.
         seed: Root of the searches' seeds.
+        searches: Searches for each variant at the most; 0 tries only the package's own manoeuvres
+            and those made by hand.
         processes: Worker processes of one thread each, one per obstacle.
     """
     env = override(EnvConfig(), overrides(config, set))
     with output_errors(out.parent):
-        libraries = build_libraries(obstacles, env, seed=seed, processes=processes, say=print)
+        libraries = build_libraries(
+            obstacles, env, seed=seed, processes=processes, say=print, searches=searches
+        )
         write_record(
             out,
             {

@@ -18,13 +18,14 @@ from surmount.envs.manoeuvre import Manoeuvre
 from surmount.envs.manoeuvre_search import SearchConfig, search, try_out
 from surmount.envs.manoeuvre_templates import templates
 from surmount.envs.simulation import Simulation
+from surmount.envs.stored_manoeuvres import stored_manoeuvres
 
 CANDIDATES = 16
 """Successful manoeuvres that are examined for each variant."""
 STALL_S = 8.0
 """Time without any ground gained after which an examined manoeuvre has failed, in s."""
 ATTEMPTS = 3
-"""Searches for each variant at the most; the first manoeuvre that bears everything ends them."""
+"""Searches for each variant at the most; a manoeuvre that bears everything ends them."""
 FRICTION_MARGIN = 0.05
 """Relative change of friction, to either side, that a manoeuvre should bear."""
 SIZE_MARGIN_MM = 0.5
@@ -60,9 +61,10 @@ CONDITIONS = (
     Condition(name="more friction", friction_factor=1 + FRICTION_MARGIN),
     Condition(name="harder", harder_mm=SIZE_MARGIN_MM),
 )
-"""A stored manoeuvre succeeds under the first two; of the others it bears as many as possible."""
-REQUIRED = 2
-"""The first conditions, which a stored manoeuvre must satisfy."""
+"""A stored manoeuvre succeeds under the first; one that succeeds under the second, too, goes before
+all that do not; of the others it bears as many as possible."""
+FIRST = 2
+"""The first conditions, which go before the others."""
 
 
 class Examiner:
@@ -119,13 +121,18 @@ class Examiner:
 
 
 def build_library(
-    obstacle_name: str, env: EnvConfig, *, seed: int, say: Callable[[str], None]
+    obstacle_name: str,
+    env: EnvConfig,
+    *,
+    seed: int,
+    say: Callable[[str], None],
+    searches: int = ATTEMPTS,
 ) -> list[dict[str, Any]]:
     """Find and choose a manoeuvre for every variant of an obstacle, from easy to hard.
 
-    Of the successes found for a variant, and of those chosen for its easier neighbours, the one is
-    taken that succeeds at the default tick and at half of it and bears most of the other
-    conditions; of equals the fastest.
+    Of the package's own manoeuvres, those made by hand, those chosen for easier neighbours and
+    those that searches find, the one is taken that succeeds at the default tick and at half of it
+    and bears most of the other conditions; of equals the fastest. What is at hand is tried first.
 
     Parameters
     ----------
@@ -135,6 +142,8 @@ def build_library(
         Root of the searches' seeds.
     say
         Told in a sentence what each variant brought.
+    searches
+        Searches for each variant at the most.
 
     Returns
     -------
@@ -152,14 +161,19 @@ def build_library(
     config = SearchConfig()
     simulation = Simulation(obstacle, env, config.population, 1)
     sizes = obstacle.variants[:: obstacle.harder]
+    stored = stored_manoeuvres(obstacle_name)
     known: list[Manoeuvre] = []
     library: list[dict[str, Any]] = []
     for size in sizes.tolist():
-        # What served easier variants, or was made by hand, may serve this one too without a search.
-        known = list(dict.fromkeys([*known[: CANDIDATES // 2], *_promising(examiner, size)]))
-        known = known[:CANDIDATES]
+        near = sorted(stored, key=lambda found: abs(found.size_mm - size))
+        own = [found.manoeuvre for found in near]
+        known = list(dict.fromkeys([*known[: CANDIDATES // 4], *own]))[:CANDIDATES]
         entry = _choose(known, examiner, size)
-        for attempt in range(ATTEMPTS):
+        if entry is None or len(entry["bears"]) < len(CONDITIONS):
+            ready = _promising([*own, *templates()], examiner, size)
+            known = list(dict.fromkeys([*ready, *known]))[:CANDIDATES]
+            entry = _choose(known, examiner, size)
+        for attempt in range(searches):
             if entry and len(entry["bears"]) == len(CONDITIONS):
                 break
             result = search(
@@ -175,7 +189,7 @@ def build_library(
                 continue
             known = list(dict.fromkeys([*result.successes, *known]))[:CANDIDATES]
             found = _choose(known, examiner, size)
-            if found and (entry is None or len(found["bears"]) > len(entry["bears"])):
+            if found and (entry is None or _rank(found["bears"]) > _rank(entry["bears"])):
                 entry = found
         if entry is None:
             raise SurmountError(
@@ -188,15 +202,16 @@ def build_library(
     return sorted(library, key=lambda found: found["size_mm"])
 
 
-def _promising(examiner: Examiner, size_mm: float) -> list[Manoeuvre]:
-    """Return the hand-made manoeuvres that bear most conditions on a variant.
+def _rank(bears: Sequence[str]) -> tuple[int, int]:
+    """Return what a manoeuvre is chosen by: the first conditions borne, then all."""
+    return sum(condition.name in bears for condition in CONDITIONS[:FIRST]), len(bears)
 
-    Those that bear the required ones come first, then those that bear most.
-    """
-    ready = templates()
+
+def _promising(ready: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> list[Manoeuvre]:
+    """Return the manoeuvres that bear the first conditions, or else most, on a variant."""
     parts = [ready[begin : begin + CANDIDATES] for begin in range(0, len(ready), CANDIDATES)]
     success = np.concatenate([examiner.examine(part, size_mm)[0] for part in parts], axis=1)
-    borne = success.sum(axis=0) + len(CONDITIONS) * success[:REQUIRED].all(axis=0)
+    borne = success.sum(axis=0) + len(CONDITIONS) * success[:FIRST].sum(axis=0)
     order = np.argsort(-borne, kind="stable")[:CANDIDATES]
     return [ready[index] for index in order.tolist()]
 
@@ -204,10 +219,11 @@ def _promising(examiner: Examiner, size_mm: float) -> list[Manoeuvre]:
 def _choose(pool: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> dict[str, Any] | None:
     """Return the entry of the best manoeuvre of a pool, or None if none will do."""
     success, time_s = examiner.examine(pool, size_mm)
-    fit = success[:REQUIRED].all(axis=0)
+    fit = success[0].astype(np.bool_)
     if not fit.any():
         return None
-    score = np.where(fit, success.sum(axis=0) - 1e-3 * np.nan_to_num(time_s[0]), -1.0)
+    borne = success.sum(axis=0) + len(CONDITIONS) * success[:FIRST].sum(axis=0)
+    score = np.where(fit, borne - 1e-3 * np.nan_to_num(time_s[0]), -1.0)
     best = int(score.argmax())
     return {
         "size_mm": size_mm,
@@ -233,11 +249,13 @@ def build_libraries(
     seed: int,
     processes: int,
     say: Callable[[str], None],
+    searches: int = ATTEMPTS,
 ) -> dict[str, list[dict[str, Any]]]:
     """Return the libraries of several obstacles, each in a process of its own."""
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         futures = {
-            name: pool.submit(build_library, name, env, seed=seed, say=_say) for name in obstacles
+            name: pool.submit(build_library, name, env, seed=seed, say=_say, searches=searches)
+            for name in obstacles
         }
         libraries = {name: future.result() for name, future in futures.items()}
     for name, library in libraries.items():
