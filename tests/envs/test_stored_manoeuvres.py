@@ -33,7 +33,7 @@ def replayed(name, config):
 def test_every_variant_has_a_manoeuvre_that_succeeds_from_the_fixed_start_within_20_s(name):
     assert [found.size_mm for found in stored_manoeuvres(name)] == list(OBSTACLES[name].variants)
     success, time_s = replayed(name, DEFAULT)
-    assert success.sum() >= len(success) - 3  # provisional: ADR 22
+    assert success.all()
     assert time_s.max() < 20.0
     # The base has 0.584 m to go and drives at 0.25 m/s at the most: 2.3 s at the least, less what
     # the body moves ahead of the wheels (48 mm).
@@ -47,7 +47,7 @@ def test_halving_the_physics_tick_changes_outcomes_where_the_margins_say_so_alon
     success, _ = replayed(name, finer)
     bear = ["half tick" in found.bears for found in stored_manoeuvres(name)]
     assert success.tolist() == bear
-    assert sum(bear) >= len(bear) - 4  # provisional: ADR 22
+    assert sum(bear) >= len(bear) - 1
 
 
 def test_a_size_between_variants_gets_the_manoeuvre_of_the_next_harder_one():
