@@ -18,20 +18,15 @@ from scipy.stats import binomtest
 
 from surmount.envs import EnvConfig, find_obstacle
 from surmount.envs.manoeuvre import Manoeuvre
-from surmount.envs.manoeuvre_search import SearchConfig, search, try_out
+from surmount.envs.manoeuvre_search import LOWER, UPPER, SearchConfig, search, try_out
 from surmount.envs.simulation import Simulation
 
 TICKS_MS = (5.0, 2.5, 1.25, 0.625)
 SIZES_MM = (30.0, 34.0, 38.0, 42.0, 46.0)
 SEARCHED_MM = (30.0, 36.0, 42.0, 45.0)
 COUNT, HORIZON_S = 480, 12.0
-SPREAD = {
-    "speed_mps": 0.006,
-    "fbem_deg": 4.3,
-    "sprawl_deg": 3.0,
-    "until_x_m": 0.0165,
-    "at_most_s": 0.114,
-}
+FIELDS = ("speed_mps", "fbem_deg", "sprawl_deg", "until_x_m", "at_most_s")
+SPREAD = dict(zip(FIELDS, 0.03 * (UPPER - LOWER), strict=True))
 """Standard deviations of what is varied: 3 % of what a search draws from."""
 
 

@@ -13,6 +13,7 @@ from surmount.cli.main import INTERRUPTED
 from surmount.cli.running import run_graph
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
+from surmount.core.run_layout import TRAININGS
 from surmount.core.store import output_errors, sole_user
 from surmount.experiment.provenance import machine, versions
 from surmount.experiment.regime_map import read_regime_map, regime_stages, summarise_regimes
@@ -67,14 +68,13 @@ def regimes(
 def _table(record: dict[str, Any]) -> Table:
     table = Table(title="Success on the hard variants", title_justify="left")
     keys = [axis["key"] for axis in record["axes"]]
-    for column in (*keys, "initiation", "curriculum", "control", "who succeeds"):
+    for column in (*keys, *TRAININGS, "who succeeds"):
         table.add_column(column)
     for cell in record["cells"]:
         hard = cell.get("hard", {})
         table.add_row(
             *map(str, cell["values"]),
-            *(f"{100 * hard[kind]:.0f} %" if hard else "" for kind in
-              ("initiation", "curriculum", "control")),
+            *(f"{100 * hard[kind]:.0f} %" if hard else "" for kind in TRAININGS),
             cell.get("regime", "not run"),
-        )  # fmt: skip
+        )
     return table

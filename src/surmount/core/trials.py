@@ -161,3 +161,22 @@ class Trials:
             starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
             features=np.concatenate([part.features for part in parts]),
         )
+
+
+def success_rates(variant: FloatArray, network: IntArray, success: BoolArray) -> FloatArray:
+    """Return the success rate of each network on each variant, shape ``(network, variant)``.
+
+    Parameters
+    ----------
+    variant
+        Of every trial, shape ``(trial, parameter)``.
+    network, success
+        Of every trial, shape ``(trial,)``.
+    """
+    variants, which = np.unique(variant, axis=0, return_inverse=True)
+    networks, whose = np.unique(network, return_inverse=True)
+    cell = whose * len(variants) + which.reshape(-1)
+    cells = len(networks) * len(variants)
+    total = np.bincount(cell, minlength=cells)
+    won = np.bincount(cell[success], minlength=cells)
+    return (won / total).reshape(len(networks), len(variants))

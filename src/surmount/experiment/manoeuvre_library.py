@@ -189,7 +189,7 @@ def build_library(
                 continue
             known = list(dict.fromkeys([*result.successes, *known]))[:CANDIDATES]
             found = _choose(known, examiner, size)
-            if found and (entry is None or _rank(found["bears"]) > _rank(entry["bears"])):
+            if found and (entry is None or _worth_of(found) > _worth_of(entry)):
                 entry = found
         if entry is None:
             raise SurmountError(
@@ -202,17 +202,27 @@ def build_library(
     return sorted(library, key=lambda found: found["size_mm"])
 
 
-def _rank(bears: Sequence[str]) -> tuple[int, int]:
-    """Return what a manoeuvre is chosen by: the first conditions borne, then all."""
-    return sum(condition.name in bears for condition in CONDITIONS[:FIRST]), len(bears)
+def _worth(success: FloatArray) -> FloatArray:
+    """Return what manoeuvres are chosen by: the first conditions borne, then all.
+
+    Parameters
+    ----------
+    success
+        0 or 1, shape ``(condition, manoeuvre)``.
+    """
+    return success.sum(axis=0) + len(CONDITIONS) * success[:FIRST].sum(axis=0)
+
+
+def _worth_of(entry: dict[str, Any]) -> float:
+    borne = [[float(condition.name in entry["bears"])] for condition in CONDITIONS]
+    return float(_worth(np.array(borne))[0])
 
 
 def _promising(ready: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> list[Manoeuvre]:
     """Return the manoeuvres that bear the first conditions, or else most, on a variant."""
     parts = [ready[begin : begin + CANDIDATES] for begin in range(0, len(ready), CANDIDATES)]
     success = np.concatenate([examiner.examine(part, size_mm)[0] for part in parts], axis=1)
-    borne = success.sum(axis=0) + len(CONDITIONS) * success[:FIRST].sum(axis=0)
-    order = np.argsort(-borne, kind="stable")[:CANDIDATES]
+    order = np.argsort(-_worth(success), kind="stable")[:CANDIDATES]
     return [ready[index] for index in order.tolist()]
 
 
@@ -222,8 +232,7 @@ def _choose(pool: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> di
     fit = success[0].astype(np.bool_)
     if not fit.any():
         return None
-    borne = success.sum(axis=0) + len(CONDITIONS) * success[:FIRST].sum(axis=0)
-    score = np.where(fit, borne - 1e-3 * np.nan_to_num(time_s[0]), -1.0)
+    score = np.where(fit, _worth(success) - 1e-3 * np.nan_to_num(time_s[0]), -1.0)
     best = int(score.argmax())
     return {
         "size_mm": size_mm,

@@ -10,7 +10,7 @@ from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
 from surmount.core.run_layout import ARMS, SCHEMA
-from surmount.core.trials import Trials
+from surmount.core.trials import Trials, success_rates
 from surmount.experiment.graph import StageContext
 from surmount.experiment.learning_speed import read_episodes, steps_to_95
 from surmount.experiment.stages import CURRICULUM, pooled_trials
@@ -184,10 +184,4 @@ def compare_networks(arms: dict[str, Trials], seed: int) -> Record:
 
 def success_matrix(trials: Trials) -> FloatArray:
     """Return the success rate of each network on each variant, shape ``(network, variant)``."""
-    variants, variant = trials.variants()
-    networks, network = np.unique(trials.network, return_inverse=True)
-    cell = network * len(variants) + variant
-    cells = len(networks) * len(variants)
-    total = np.bincount(cell, minlength=cells)
-    won = np.bincount(cell[trials.success], minlength=cells)
-    return (won / total).reshape(len(networks), len(variants))
+    return success_rates(trials.variant, trials.network, trials.success)

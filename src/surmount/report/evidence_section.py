@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from surmount.analysis import Analysis
 from surmount.core.run_layout import ARMS
@@ -64,24 +64,27 @@ def _network_table(comparison: Comparison) -> Table:
     reasons = dict.fromkeys(
         found.reason for found in (mean, comparison.difference) if found.reason is not None
     )
+    note = (
+        "Percentile bootstrap over whole networks, each keeping its success rates on all "
+        f"variants; {comparison.difference.resamples:,} resamples. Probability of "
+        "improvement: that a network with the curriculum beats one without on a variant, "
+        "ties counted half; 50 % means no difference."
+    )
+    return evidence_table("Success over networks", rows, (note, *reasons))
+
+
+def evidence_table(title: str, rows: Sequence[tuple[str, ...]], notes: Sequence[str]) -> Table:
+    """Return a table of measures with their estimates and intervals."""
     return Table(
         label="",
-        title="Success over networks",
+        title=title,
         columns=(
             Column(heading="measure"),
             Column(heading="estimate", numeric=True),
             Column(heading="95 % interval", numeric=True),
         ),
         rows=tuple(rows),
-        notes=(
-            (
-                "Percentile bootstrap over whole networks, each keeping its success rates on all "
-                f"variants; {comparison.difference.resamples:,} resamples. Probability of "
-                "improvement: that a network with the curriculum beats one without on a variant, "
-                "ties counted half; 50 % means no difference."
-            ),
-            *reasons,
-        ),
+        notes=tuple(notes),
     )
 
 

@@ -19,7 +19,7 @@ from surmount.report.document import (
     Section,
     Table,
 )
-from surmount.report.evidence_section import evidence_row
+from surmount.report.evidence_section import evidence_row, evidence_table
 from surmount.report.grouping_section import group_table, level_table
 from surmount.report.paper_section import claim_table
 from surmount.report.profile_figure import THRESHOLDS, profiles
@@ -162,22 +162,11 @@ def _together(runs: Sequence[RunResults]) -> Section | None:
             probability_of_improvement(first, second, bootstrap, paired=True),
         )
     )
-    table = Table(
-        label="",
-        title="Success over networks, all obstacles",
-        columns=(
-            Column(heading="measure"),
-            Column(heading="estimate", numeric=True),
-            Column(heading="95 % interval", numeric=True),
-        ),
-        rows=tuple(rows),
-        notes=(
-            (
-                "Stratified bootstrap: networks are redrawn within their obstacle. Rates of all "
-                "variants count alike, so obstacles with more variants count more."
-            ),
-        ),
+    note = (
+        "Stratified bootstrap: networks are redrawn within their obstacle. Rates of all "
+        "variants count alike, so obstacles with more variants count more."
     )
+    table = evidence_table("Success over networks, all obstacles", rows, (note,))
     figure = profiles(
         {arm: performance_profile(own, THRESHOLDS, bootstrap) for arm, own in scores.items()}
     )

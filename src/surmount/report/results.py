@@ -20,7 +20,7 @@ from surmount.core.run_layout import TRAININGS, TRIALS, read_run_record
 from surmount.core.store import Artefact
 from surmount.core.teacher import LevelTest
 from surmount.core.trial_table import read_trials
-from surmount.core.trials import Trials
+from surmount.core.trials import Trials, success_rates
 from surmount.report.comparison import Comparison, comparison_of
 from surmount.report.film_section import FilmedTrial, read_films
 
@@ -87,13 +87,7 @@ class Outcomes:
 
     def scores(self) -> FloatArray:
         """Return each network's success rate on each variant, shape ``(network, variant)``."""
-        _, variant = np.unique(self.variant, axis=0, return_inverse=True)
-        _, network = np.unique(self.network, return_inverse=True)
-        shape = (int(network.max()) + 1, int(variant.max()) + 1)
-        cell = network * shape[1] + variant.reshape(-1)
-        tried = np.bincount(cell, minlength=shape[0] * shape[1])
-        won = np.bincount(cell, weights=self.success, minlength=shape[0] * shape[1])
-        return (won / tried).reshape(shape)
+        return success_rates(self.variant, self.network, self.success)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
