@@ -11,7 +11,7 @@ from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
 from surmount.core.store import output_errors, sole_user
 from surmount.experiment.capability import CapabilityConfig, map_capability
-from surmount.experiment.provenance import machine, versions
+from surmount.experiment.provenance import provenance
 from surmount.report.capability_figure import write_capability_figure
 
 MAP = "capability.json"
@@ -62,7 +62,7 @@ def capability(
         record = map_capability(
             chosen,
             out / MAP,
-            provenance={"versions": versions(), "machine": machine()},
+            provenance=provenance(),
             processes=processes,
             say=print,
         )

@@ -14,7 +14,7 @@ from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
 from surmount.core.store import output_errors, sole_user
 from surmount.experiment.initiation_map import initiation_stages, read_settings, summarise
-from surmount.experiment.provenance import machine, versions
+from surmount.experiment.provenance import provenance
 from surmount.report.initiation_figure import write_initiation_figure
 
 MAP = "initiations.json"
@@ -45,8 +45,7 @@ def initiations(
         record: dict[str, Any] = {
             "kind": "initiation map",
             "schema": 1,
-            "versions": versions(),
-            "machine": machine(),
+            **provenance(),
             "changes": {setting.name: dict(setting.changes) for setting in chosen},
             "settings": summarise(chosen, outcome.artefacts),
         }

@@ -13,7 +13,7 @@ from surmount.core.records import write_record
 from surmount.core.store import output_errors
 from surmount.envs import OBSTACLES, EnvConfig
 from surmount.experiment.manoeuvre_library import ATTEMPTS, build_libraries
-from surmount.experiment.provenance import machine, versions
+from surmount.experiment.provenance import provenance
 
 
 def manoeuvres(
@@ -53,8 +53,7 @@ def manoeuvres(
                 "schema": 1,
                 "env": to_record(env),
                 "seed": seed,
-                "versions": versions(),
-                "machine": machine(),
+                **provenance(),
                 "obstacles": libraries,
             },
         )

@@ -15,7 +15,7 @@ from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
 from surmount.core.run_layout import TRAININGS
 from surmount.core.store import output_errors, sole_user
-from surmount.experiment.provenance import machine, versions
+from surmount.experiment.provenance import provenance
 from surmount.experiment.regime_map import read_regime_map, regime_stages, summarise_regimes
 from surmount.report.regime_figure import write_regime_figure
 
@@ -47,8 +47,7 @@ def regimes(
         record: dict[str, Any] = {
             "kind": "regime map",
             "schema": 1,
-            "versions": versions(),
-            "machine": machine(),
+            **provenance(),
             "obstacle": chosen.obstacle,
             "axes": [{"key": axis.key, "values": list(axis.values)} for axis in chosen.axes],
             "hard": list(chosen.hard),

@@ -40,6 +40,11 @@ def machine() -> dict[str, str]:
     return {**kind(), "cores": str(os.cpu_count())}
 
 
+def provenance() -> dict[str, dict[str, str]]:
+    """Return what every record of a result begins with: ``versions`` and ``machine``."""
+    return {"versions": versions(), "machine": machine()}
+
+
 @cache
 def kind() -> dict[str, str]:
     """Return what rounding depends on: processor, and the code that libraries choose for it."""

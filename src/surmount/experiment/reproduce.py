@@ -19,7 +19,7 @@ from surmount.experiment.in_process import InProcessExecutor
 from surmount.experiment.journal import Journal
 from surmount.experiment.local_processes import ProcessExecutor
 from surmount.experiment.protocol import protocol
-from surmount.experiment.provenance import machine, versions
+from surmount.experiment.provenance import provenance
 from surmount.experiment.runner import RETRIES, GraphRunner, RunObserver, RunOutcome
 
 
@@ -53,8 +53,7 @@ def begin(root: Path, config: ExperimentConfig) -> None:
             record = {
                 "schema": SCHEMA,
                 "config": to_record(config),
-                "versions": versions(),
-                "machine": machine(),
+                **provenance(),
             }
             write_record(root / RUN, record)
 
