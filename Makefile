@@ -30,6 +30,7 @@ check: $(READY)  ## lint, format, types, rooms
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/basedpyright
+	$(BIN)/basedpyright --project benchmarks/pyrightconfig.json --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
 	$(BIN)/python tests/audit.py
 

@@ -64,7 +64,7 @@ def compare(trials):
     for name, options in SETS.items():
         config = dataclasses.replace(base, components=count, sensitivity=False, **options)
         found = determine_curriculum(trials, config)
-        rank = spearmanr(found.distances[pairs], first.distances[pairs]).statistic
+        rank = spearmanr(found.distances[pairs], first.distances[pairs])[0]
         cells = [
             name,
             str(len(found.features.names)),

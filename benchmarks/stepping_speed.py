@@ -17,6 +17,9 @@ and the median of the ratios within a repetition. Every peer ends in the same st
 Prints Markdown.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo says nothing about what its compiled module holds.
+
 from __future__ import annotations
 
 import argparse

@@ -19,12 +19,15 @@ from scipy.stats import binomtest
 from surmount.envs import EnvConfig, find_obstacle
 from surmount.envs.manoeuvre import Manoeuvre
 from surmount.envs.manoeuvre_search import LOWER, UPPER, SearchConfig, search, try_out
+from surmount.envs.manoeuvre_templates import templates
 from surmount.envs.simulation import Simulation
 
 TICKS_MS = (5.0, 2.5, 1.25, 0.625)
 SIZES_MM = (30.0, 34.0, 38.0, 42.0, 46.0)
 SEARCHED_MM = (30.0, 36.0, 42.0, 45.0)
 COUNT, HORIZON_S = 480, 12.0
+BEST = 8
+"""Successful manoeuvres of a search that others are drawn around, the fastest."""
 FIELDS = ("speed_mps", "fbem_deg", "sprawl_deg", "until_x_m", "at_most_s")
 SPREAD = dict(zip(FIELDS, 0.03 * (UPPER - LOWER), strict=True))
 """Standard deviations of what is varied: 3 % of what a search draws from."""
@@ -45,16 +48,20 @@ def around(rng, manoeuvre):
 
 
 def family(rng, env):
-    """Return manoeuvres around those that searches found, with a size each."""
+    """Return manoeuvres around those that searches found, with a size each.
+
+    Searches begin with what was made by hand, as those of the capability map do.
+    """
     obstacle = find_obstacle("step")
     simulation = Simulation(obstacle, env, SearchConfig().population, 1)
-    elite = []
+    successful = []
     for size_mm in SEARCHED_MM:
+        hints = [*successful[-BEST:], *templates()]
         found = search(
-            obstacle, env, size_mm, SearchConfig(), seed=1, simulation=simulation, hints=elite[-8:]
+            obstacle, env, size_mm, SearchConfig(), seed=1, simulation=simulation, hints=hints
         )
-        elite += list(found.elite[:8])
-    manoeuvres = [around(rng, elite[rng.integers(len(elite))]) for _ in range(COUNT)]
+        successful += found.successes[:BEST]
+    manoeuvres = [around(rng, successful[rng.integers(len(successful))]) for _ in range(COUNT)]
     return manoeuvres, rng.choice(SIZES_MM, size=COUNT)
 
 

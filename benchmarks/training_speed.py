@@ -10,6 +10,9 @@ processes of physics and of matrix products alone. Takes about six minutes on tw
 busy machine read the ratios, best those of CPU time at one thread.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo says nothing about what its compiled module holds.
+
 from __future__ import annotations
 
 import argparse
