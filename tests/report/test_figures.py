@@ -18,10 +18,10 @@ from surmount.core.records import read_record
 from surmount.core.run_layout import TRIALS
 from surmount.report import write_analysis_report
 from surmount.report.contents import document_of
+from surmount.report.curves import running_mean
 from surmount.report.dendrogram_layout import layout
 from surmount.report.fit_figure import mixture_fit
 from surmount.report.grouping_section import grouping_section
-from surmount.report.learning_figure import running_mean
 from surmount.report.path_figure import box_of
 from surmount.report.results import read_run
 

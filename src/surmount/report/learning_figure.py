@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.run_layout import TRAININGS
 from surmount.core.teacher import Decision, LevelTest
-from surmount.report.document import Columns, Figure, LegendEntry, Panel
+from surmount.report.curves import (
+    Curve,
+    Measure,
+    Trainings,
+    curves_of,
+    learning_data,
+    levels_of,
+    tests_of,
+)
+from surmount.report.document import Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.plots import annotate, compact, hover, plot
-from surmount.report.results import TrainingResult
 from surmount.report.stills import axes_grid
 from surmount.report.text import MINUS, counted, integer, number
 
-Measure = Literal["reward", "success"]
-Trainings = Mapping[str, Mapping[int, TrainingResult]]
-
-SMOOTHING = 25
-"""A curve is averaged over about this fraction of its roll-outs, at least 1."""
 TITLES = {
     "reward": "mean reward per step",
     "success": "success of episodes",
@@ -39,47 +39,17 @@ DECISIONS: dict[Decision, tuple[str, str, str, str]] = {
 BAND = "#0072B2"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Curve:
-    """One training of one network on the axis of steps since the network began.
-
-    Attributes
-    ----------
-    kind
-        What was trained.
-    begin
-        Learning steps before it.
-    steps, values
-        Learning steps at the end of each roll-out, and the measure there, ``(rollout,)``.
-    smooth
-        Running mean over ``window`` roll-outs of the same level, ``(rollout,)``.
-    window
-        Odd number of roll-outs.
-    """
-
-    kind: str
-    begin: int
-    steps: IntArray
-    values: FloatArray
-    smooth: FloatArray
-    window: int
-
-    def at(self, step: int) -> float:
-        """Return the running mean at the roll-out that ends nearest to a step."""
-        return float(self.smooth[int(np.abs(self.steps - step).argmin())])
-
-
 def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
     """Draw the measure over all learning of each network; ``None`` where nothing was learnt."""
     networks = sorted({network for found in trainings.values() for network in found})
-    drawn = {network: _curves(trainings, network, measure) for network in networks}
+    drawn = {network: curves_of(trainings, network, measure) for network in networks}
     drawn = {network: curves for network, curves in drawn.items() if curves}
     if not drawn:
         return None
     bounds = _bounds(drawn, measure)
     panels = tuple(
         Panel(
-            plot=_panel(curves, _tests(trainings, network), measure, bounds),
+            plot=_panel(curves, tests_of(trainings, network), measure, bounds),
             height_px=290,
             title=f"Network {network}",
         )
@@ -116,79 +86,8 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
         panels=panels,
         panel_width_px=420,
         still=lambda: _still(drawn, trainings, measure, bounds),
-        data=_data(drawn, trainings, measure),
+        data=learning_data(drawn, trainings, measure),
     )
-
-
-def running_mean(values: FloatArray, window: int, part: IntArray) -> FloatArray:
-    """Return the mean over neighbours of the same part.
-
-    Parameters
-    ----------
-    values
-        Shape ``(rollout,)``.
-    window
-        Odd number of neighbours, the value itself included; fewer at the ends of a part.
-    part
-        Part that each value belongs to, ascending: a level, so that the mean does not mix two.
-    """
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    index, half = np.arange(values.size), window // 2
-    first = np.searchsorted(part, part, side="left")
-    last = np.searchsorted(part, part, side="right")
-    low, high = np.maximum(index - half, first), np.minimum(index + half + 1, last)
-    return (total[high] - total[low]) / (high - low)
-
-
-def _curves(trainings: Trainings, network: int, measure: Measure) -> list[Curve]:
-    begin, found = 0, list[Curve]()
-    for kind in TRAININGS:
-        training = trainings.get(kind, {}).get(network)
-        if training is None:
-            continue
-        values = [*training.reward.tolist()] if measure == "reward" else [*training.success]
-        rows = [row for row, value in enumerate(values) if value is not None]
-        if rows:
-            known = np.array([values[row] for row in rows], dtype=np.float64)
-            window = 2 * (known.size // SMOOTHING // 2) + 1
-            found.append(
-                Curve(
-                    kind=kind,
-                    begin=begin,
-                    steps=begin + training.steps[rows],
-                    values=known,
-                    smooth=running_mean(known, window, _part(training, rows)),
-                    window=window,
-                )
-            )
-        if kind == "initiation":
-            begin = training.total_steps
-    return found
-
-
-def _part(training: TrainingResult, rows: list[int]) -> IntArray:
-    """Return how many levels had been left before each of these roll-outs began."""
-    ends = [test.steps for test in training.level_tests if test.decision != "extend"]
-    return np.searchsorted(ends, training.steps[rows], side="left").astype(np.int64)
-
-
-def _tests(trainings: Trainings, network: int) -> list[tuple[int, LevelTest]]:
-    """Return every level test with its learning steps since the network began."""
-    training = trainings.get("curriculum", {}).get(network)
-    initiation = trainings.get("initiation", {}).get(network)
-    begin = initiation.total_steps if initiation else 0
-    return [(begin + test.steps, test) for test in training.level_tests] if training else []
-
-
-def _levels(tests: list[tuple[int, LevelTest]], begin: int) -> list[tuple[int, int, int]]:
-    """Return level, first and last step of each level that was ended."""
-    levels: list[tuple[int, int, int]] = []
-    start = begin
-    for step, test in tests:
-        if test.decision != "extend":
-            levels.append((test.level, start, step))
-            start = step
-    return levels
 
 
 def _bounds(drawn: Mapping[int, list[Curve]], measure: Measure) -> tuple[float, float]:
@@ -234,7 +133,7 @@ def _panel(
     bounds: tuple[float, float],
 ) -> go.Figure:
     figure = plot(x_title="learning steps since the network began", y_title=TITLES[measure])
-    levels = _levels(tests, _begin(curves))
+    levels = levels_of(tests, _begin(curves))
     for level, start, stop in levels:
         figure.add_shape(
             type="rect",
@@ -347,7 +246,7 @@ def _still(
         rows, columns, height_in=2.1 * rows + 0.45, used=len(drawn), share_y=True
     )
     for (network, curves), ax in zip(drawn.items(), axes, strict=True):
-        _draw(ax, curves, _tests(trainings, network))
+        _draw(ax, curves, tests_of(trainings, network))
         ax.set_title(f"Network {network}")
         ax.set_ylim(*bounds)
     for index, ax in enumerate(axes):
@@ -366,7 +265,7 @@ def _still(
 
 
 def _draw(ax: Axes, curves: list[Curve], tests: list[tuple[int, LevelTest]]) -> None:
-    levels = _levels(tests, _begin(curves))
+    levels = levels_of(tests, _begin(curves))
     for level, start, stop in levels:
         ax.axvspan(
             start / 1e3, stop / 1e3, color=BAND, alpha=0.10 if level % 2 == 0 else 0.04, lw=0
@@ -396,43 +295,3 @@ def _draw(ax: Axes, curves: list[Curve], tests: list[tuple[int, LevelTest]]) -> 
             )
     ax.set_xlim(left=0)
     ax.grid(visible=True)
-
-
-def _data(drawn: Mapping[int, list[Curve]], trainings: Trainings, measure: Measure) -> Columns:
-    columns: dict[str, list[object]] = {
-        name: []
-        for name in ("kind", "network", "stage", "steps", measure, "running_mean", "level",
-                     "iteration", "first_window", "last_window", "first_gain", "newest_gain",
-                     "ratio", "threshold", "decision")
-    }  # fmt: skip
-    for network, curves in drawn.items():
-        for curve in curves:
-            rows = curve.steps.size
-            _extend(
-                columns,
-                rows,
-                kind=["rollout"] * rows,
-                network=[network] * rows,
-                stage=[curve.kind] * rows,
-                steps=curve.steps.tolist(),
-                running_mean=curve.smooth.tolist(),
-                **{measure: curve.values.tolist()},
-            )
-        tests = _tests(trainings, network)
-        fields = ("level", "iteration", "first_window", "last_window", "first_gain",
-                  "newest_gain", "ratio", "threshold", "decision")  # fmt: skip
-        _extend(
-            columns,
-            len(tests),
-            kind=["level test"] * len(tests),
-            network=[network] * len(tests),
-            stage=["curriculum"] * len(tests),
-            steps=[step for step, _ in tests],
-            **{name: [getattr(test, name) for _, test in tests] for name in fields},
-        )
-    return columns
-
-
-def _extend(columns: dict[str, list[object]], rows: int, **values: list[object]) -> None:
-    for name, column in columns.items():
-        column.extend(values.get(name, [None] * rows))
