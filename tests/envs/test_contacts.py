@@ -2,9 +2,11 @@
 
 import mujoco
 import numpy as np
+import pytest
 
 from surmount.envs import OBSTACLES, EnvConfig
 from surmount.envs.scene import build_model
+from surmount.robot import RobotConfig
 
 
 def test_the_contact_of_a_tyre_in_an_edge_has_the_depth_of_the_overlap():
@@ -42,3 +44,22 @@ def test_the_contact_of_a_tyre_in_an_edge_has_the_depth_of_the_overlap():
             # MuJoCo rounds the cylinder by a polyhedron, and tries other directions, too.
             assert 0.3 * ways_out.min() < depth < 1.1 * ways_out.min() + 0.0005
     assert overlaps > 1500
+
+
+@pytest.mark.parametrize("tick_s", [0.00125, 0.000625])
+def test_contacts_are_as_stiff_at_a_shorter_tick(tick_s):
+    # Four weights of the robot on the floor: a property of the robot, not of the integration.
+    depths_mm = []
+    for tick in (0.0025, tick_s):
+        config = EnvConfig(robot=RobotConfig(physics_tick_s=tick))
+        model = build_model(OBSTACLES["step"], config)
+        data = mujoco.MjData(model)
+        data.qpos[:3] = [-0.3, 0, 0.1]
+        data.xfrc_applied[model.body("base").id, 2] = -3 * 9.81 * model.body_mass.sum()
+        for _ in range(round(3.0 / tick)):
+            mujoco.mj_step(model, data)
+        assert data.ncon > 0
+        assert np.abs(data.qvel).max() < 0.01
+        depths_mm.append(-data.contact.dist.min() * 1e3)
+    assert depths_mm[0] > 0.01
+    assert depths_mm[1] == pytest.approx(depths_mm[0], rel=0.02)

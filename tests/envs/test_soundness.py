@@ -6,7 +6,7 @@ from surmount.envs import OBSTACLES, EnvConfig, ObstacleVectorEnv
 from surmount.envs.soundness import Soundness
 from surmount.robot import RobotConfig
 
-TICK = EnvConfig(decision_interval_s=0.0025)
+TICK = EnvConfig(decision_interval_s=RobotConfig().physics_tick_s)
 """Decisions of one tick: what the cheap looks see is the state that was planted."""
 STEP_MM = 40.0
 

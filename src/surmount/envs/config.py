@@ -154,7 +154,7 @@ class EnvConfig:
     """The reward's weights and units."""
     randomisation: RandomisationConfig = field(default_factory=RandomisationConfig)
     """Randomised dynamics, sensor noise and late actions; off."""
-    decision_interval_s: float = 0.02
+    decision_interval_s: float = 0.01
     """Time between decisions in s, during which the action is re-applied at every physics tick:
     chosen because success after the initiation then comes closest to the paper's table 1 (ADR 21).
     The makers' simulation decides every 5 ms."""

@@ -59,8 +59,7 @@ def build_model(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjModel:
     _add_view(spec)
     for geom in spec.geoms:
         if geom.contype or geom.conaffinity:
-            # As stiff as the time step allows (twice the tick), critically damped.
-            geom.solref = [2 * config.robot.physics_tick_s, 1.0]
+            geom.solref = [config.robot.constraint_time_s, 1.0]
     return spec.compile()
 
 

@@ -57,17 +57,21 @@ class RobotConfig:
 
     gear: Gear = "wheels"
     """Running gear: "wheels", "whegs" or "both"; the robot takes either or both (paper II)."""
-    friction: float = 0.7
-    """Sliding friction of tyres and spokes against everything, coefficient; assumed: the lowest at
-    which every variant is feasible (ADR 20), chosen within that range by what the initiation then
-    leaves to learn (ADR 21)."""
+    friction: float = 1.3
+    """Sliding friction of tyres and spokes against everything, coefficient; assumed: within the
+    range at which every variant is feasible and the hardest not by far (ADR 20), chosen by what the
+    initiation then leaves to learn (ADR 21)."""
     body_friction: float = 0.3
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
     """Total mass in kg, the parts keeping the simulation's fractions; the simulation's sum."""
-    physics_tick_s: float = 0.0025
+    physics_tick_s: float = 0.00125
     """Physics time step in s: the longest at which outcomes have converged (ADR 20). The makers'
     simulation ticks at 1 ms."""
+    constraint_time_s: float = 0.01
+    """Time constant of contacts, stops and parallelograms in s, critically damped (the first number
+    of MuJoCo's ``solref``); assumed: half of MuJoCo's default. A property of the robot, not of the
+    integration: a shorter tick leaves it as it is (ADR 20)."""
     sprawl_stiffness_nmprad: float = 100.0
     """Sprawl servo: torque per angle error in N m/rad, each side; assumed."""
     sprawl_damping_nmsprad: float = 2.0
@@ -97,7 +101,14 @@ class RobotConfig:
         require_range("friction", self.friction, 0.0, 5.0)
         require_range("body_friction", self.body_friction, 0.0, 5.0)
         require_range("mass_kg", self.mass_kg, 0.1, 20.0)
-        require_range("physics_tick_s", self.physics_tick_s, 0.0005, 0.01)
+        require_range("physics_tick_s", self.physics_tick_s, 0.0001, 0.01)
+        require_range("constraint_time_s", self.constraint_time_s, 0.0, 0.1)
+        if self.constraint_time_s < 2 * self.physics_tick_s:
+            raise ConfigError(
+                f"`constraint_time_s` is {self.constraint_time_s!r}, less than two ticks of "
+                f"{self.physics_tick_s!r} s: no contact as stiff can be integrated.",
+                remedy=f"Give at least {2 * self.physics_tick_s:g}, or shorten the tick.",
+            )
         positive = (
             "sprawl_stiffness_nmprad",
             "sprawl_damping_nmsprad",

@@ -100,7 +100,9 @@ def _add_leg(
     sprawl = leg.add_joint(
         name=f"{side}_sprawl", axis=[sign, 0, 0], armature=config.sprawl_armature_kgm2
     )
-    add_stops(sprawl, (c.SPRAWL_MIN_DEG, c.SPRAWL_MAX_DEG), config)
+    # At the upper end both sides' nubs meet: they are the stop, and there is no room beyond.
+    sprawl_range = (c.SPRAWL_MIN_DEG, c.SPRAWL_MAX_DEG)
+    add_stops(sprawl, sprawl_range, config, high_margin_deg=0.0)
     half_spacing = c.ROD_SPACING_MM / 2
     visual(
         leg,

@@ -22,8 +22,7 @@ def add_parallelogram(spec: mujoco.MjSpec, side: str, config: RobotConfig) -> No
             name1=follower,
             name2=f"{side}_fbem",
             data=[0.0, ratio, *([0.0] * 10)],
-            # As stiff as the time step allows (twice the tick), critically damped.
-            solref=[2 * config.physics_tick_s, 1.0],
+            solref=[config.constraint_time_s, 1.0],
             solimp=[0.99, 0.999, 0.001, 0.5, 2.0],
         )
 
@@ -32,12 +31,18 @@ STOP_MARGIN_DEG = 1.0
 """How far beyond the range of commands a joint's stops are; assumed."""
 
 
-def add_stops(joint: mujoco.MjsJoint, range_deg: tuple[float, float], config: RobotConfig) -> None:
+def add_stops(
+    joint: mujoco.MjsJoint,
+    range_deg: tuple[float, float],
+    config: RobotConfig,
+    *,
+    high_margin_deg: float = STOP_MARGIN_DEG,
+) -> None:
     """Give a joint stops, which hold where an obstacle is stronger than the servo."""
     low, high = range_deg
     joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-    joint.range = [math.radians(low - STOP_MARGIN_DEG), math.radians(high + STOP_MARGIN_DEG)]
-    joint.solref_limit = [2 * config.physics_tick_s, 1.0]
+    joint.range = [math.radians(low - STOP_MARGIN_DEG), math.radians(high + high_margin_deg)]
+    joint.solref_limit = [config.constraint_time_s, 1.0]
 
 
 def add_servo(
