@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ ROW_IN = 1.25
 """Height of a row of the figure in inches."""
 COLUMNS = 5
 """Plots side by side where there is one obstacle alone."""
+LABEL_CHARACTERS = 18
+"""Length of a line beside a row of the figure: more is higher than the row."""
 
 
 def write_initiation_figure(record: Mapping[str, Any], folder: Path) -> None:
@@ -50,7 +53,7 @@ def _draw(settings: Mapping[str, Any]) -> Figure:
         figure = _small_multiples(settings, shown[0])
     else:
         figure = _table_of_plots(settings, shown or [*OBSTACLES])
-    figure.supylabel("success after the initiation (dashed: the paper's groups)", fontsize=8)
+    figure.supylabel("success after the initiation\n(dashed: the paper's groups)", fontsize=8)
     return figure
 
 
@@ -82,7 +85,7 @@ def _table_of_plots(settings: Mapping[str, Any], obstacles: list[str]) -> Figure
             if row == count - 1:
                 axis.set_xlabel("size in mm")
             _plot(axis, setting["obstacles"].get(obstacle))
-        axes[row * len(obstacles)].set_ylabel(name, fontsize=7)
+        axes[row * len(obstacles)].set_ylabel(textwrap.fill(name, LABEL_CHARACTERS), fontsize=7)
     return figure
 
 
