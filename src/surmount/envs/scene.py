@@ -15,6 +15,10 @@ from surmount.robot.parts import WORLD_BIT
 FLOOR_THICKNESS_M = 0.04
 """Thickness of the floor; nothing lies below."""
 
+CONTACT_IMPEDANCE = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""MuJoCo's ``solimp``: with its defaults (0.9 to 0.95) wedged wheels sank 16 mm into walls (ADR
+20)."""
+
 CAMERA = "track"
 """Name of the usual camera."""
 
@@ -60,6 +64,7 @@ def build_model(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjModel:
     for geom in spec.geoms:
         if geom.contype or geom.conaffinity:
             geom.solref = [config.robot.constraint_time_s, 1.0]
+            geom.solimp = CONTACT_IMPEDANCE
     return spec.compile()
 
 

@@ -65,13 +65,13 @@ class RobotConfig:
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
     """Total mass in kg, the parts keeping the simulation's fractions; the simulation's sum."""
-    physics_tick_s: float = 0.00125
+    physics_tick_s: float = 0.0025
     """Physics time step in s: the longest at which outcomes have converged (ADR 20). The makers'
     simulation ticks at 1 ms."""
     constraint_time_s: float = 0.01
     """Time constant of contacts, stops and parallelograms in s, critically damped (the first number
-    of MuJoCo's ``solref``); assumed: half of MuJoCo's default. A property of the robot, not of the
-    integration: a shorter tick leaves it as it is (ADR 20)."""
+    of MuJoCo's ``solref``); assumed: the shortest that the default tick resolves. A property of the
+    robot, not of the integration: a shorter tick leaves it as it is (ADR 20)."""
     sprawl_stiffness_nmprad: float = 100.0
     """Sprawl servo: torque per angle error in N m/rad, each side; assumed."""
     sprawl_damping_nmsprad: float = 2.0
