@@ -108,7 +108,6 @@ def test_in_a_motion_nothing_floats_and_nothing_enters_another(name):
             for other in world
         ]
         gaps_mm.append(1e3 * min(gaps))
-    # Contacts give by tenths of a millimetre, more where a wheel strikes an edge, and moving legs
-    # make the wheels hop as far.
-    assert min(gaps_mm) > -1.5
+    # Contacts give by some tenths of a millimetre, and moving legs make the wheels hop as far.
+    assert min(gaps_mm) > -1.0
     assert max(gaps_mm) < 1.0

@@ -27,7 +27,7 @@ from surmount.robot import constants as c
 from surmount.robot.config import RobotConfig
 from surmount.robot.parts import SIDES, add_materials, solid, visual
 from surmount.robot.running_gear import add_carrier, rolling_radius_m, wheel_names
-from surmount.robot.servos import add_parallelogram, add_servo, add_stops
+from surmount.robot.servos import STOP_MARGIN_DEG, add_parallelogram, add_servo, add_stops
 
 _MM = 1e-3
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
@@ -101,8 +101,7 @@ def _add_leg(
         name=f"{side}_sprawl", axis=[sign, 0, 0], armature=config.sprawl_armature_kgm2
     )
     # At the upper end both sides' nubs meet: they are the stop, and there is no room beyond.
-    sprawl_range = (c.SPRAWL_MIN_DEG, c.SPRAWL_MAX_DEG)
-    add_stops(sprawl, sprawl_range, config, high_margin_deg=0.0)
+    add_stops(sprawl, (c.SPRAWL_MIN_DEG - STOP_MARGIN_DEG, c.SPRAWL_MAX_DEG), config)
     half_spacing = c.ROD_SPACING_MM / 2
     visual(
         leg,
@@ -131,7 +130,8 @@ def _add_leg(
             mass=c.ROD_MASS_KG * scale,
         )
         if place == "front":
-            add_stops(joint, (-c.FBEM_MAX_DEG, c.FBEM_MAX_DEG), config)
+            stop_deg = c.FBEM_MAX_DEG + STOP_MARGIN_DEG
+            add_stops(joint, (-stop_deg, stop_deg), config)
             carrier = rod.add_body(name=f"{side}_carrier", pos=[0, 0, -c.ROD_LENGTH_MM * _MM])
             carrier.add_joint(name=f"{side}_carrier", axis=[0, 1, 0], armature=1e-5)
             add_carrier(carrier, side, sign, config, scale)

@@ -28,20 +28,13 @@ def add_parallelogram(spec: mujoco.MjSpec, side: str, config: RobotConfig) -> No
 
 
 STOP_MARGIN_DEG = 1.0
-"""How far beyond the range of commands a joint's stops are; assumed."""
+"""How far beyond the range of commands a joint's stops are where no parts meet; assumed."""
 
 
-def add_stops(
-    joint: mujoco.MjsJoint,
-    range_deg: tuple[float, float],
-    config: RobotConfig,
-    *,
-    high_margin_deg: float = STOP_MARGIN_DEG,
-) -> None:
+def add_stops(joint: mujoco.MjsJoint, stops_deg: tuple[float, float], config: RobotConfig) -> None:
     """Give a joint stops, which hold where an obstacle is stronger than the servo."""
-    low, high = range_deg
     joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-    joint.range = [math.radians(low - STOP_MARGIN_DEG), math.radians(high + high_margin_deg)]
+    joint.range = [math.radians(stop) for stop in stops_deg]
     joint.solref_limit = [config.constraint_time_s, 1.0]
 
 
