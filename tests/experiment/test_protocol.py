@@ -19,8 +19,10 @@ from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials
+from surmount.envs import scene
 from surmount.experiment import begin, load_config, protocol
 from surmount.experiment.graph import check_graph
+from surmount.experiment.initiation_map import Setting, initiation_stages
 
 HERE = Path(__file__).parent
 
@@ -199,6 +201,26 @@ def test_one_shard_leaves_every_stage_as_it_was():
     config = small_config()
     assert config.rollout_shards == 1
     assert not any(stage.name.startswith("shard/") for stage in protocol(config))
+
+
+ONE_SETTING = Setting(name="plain", changes={}, obstacles=("step",), networks=(0,))
+
+
+@pytest.mark.parametrize(
+    "graph",
+    [lambda: protocol(small_config()), lambda: initiation_stages([ONE_SETTING], "smoke")],
+    ids=["protocol", "initiations"],
+)
+def test_another_model_of_the_robot_is_another_experiment(monkeypatch, graph):
+    # No setting says how contacts give way: results of two versions must not be mixed.
+    before = graph()
+    monkeypatch.setattr(scene, "CONTACT_IMPEDANCE", (0.9, 0.95, 0.001, 0.5, 2.0))
+    scene.model_hash.cache_clear()
+    after = graph()
+    scene.model_hash.cache_clear()
+    changed = {a.name for a, b in zip(before, after, strict=True) if a.config != b.config}
+    assert changed == {stage.name for stage in before if "env" in stage.config}
+    assert {name.partition("/")[0] for name in changed} >= {"initiation", "trials"}
 
 
 @pytest.mark.parametrize("shards", [0, 2, 31])

@@ -5,6 +5,9 @@
 
 from __future__ import annotations
 
+import hashlib
+from functools import cache
+
 import mujoco
 
 from surmount.envs.config import EnvConfig
@@ -37,7 +40,22 @@ COURSE_CAMERA = "course"
 
 
 def build_model(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjModel:
-    """Compile robot and course.
+    """Compile robot and course, see :func:`describe`."""
+    return describe(obstacle, config).compile()
+
+
+@cache
+def model_hash(obstacle: Obstacle, config: EnvConfig) -> str:
+    """Return the SHA-256 of robot and course as MuJoCo's XML, to tell results of two models apart.
+
+    Settings say what differs between experiments of one version of Surmount. The model says what
+    has changed between versions: a stop, a mass, how contacts give way.
+    """
+    return hashlib.sha256(describe(obstacle, config).to_xml().encode()).hexdigest()
+
+
+def describe(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjSpec:
+    """Describe robot and course.
 
     Parameters
     ----------
@@ -65,7 +83,7 @@ def build_model(obstacle: Obstacle, config: EnvConfig) -> mujoco.MjModel:
         if geom.contype or geom.conaffinity:
             geom.solref = [config.robot.constraint_time_s, 1.0]
             geom.solimp = CONTACT_IMPEDANCE
-    return spec.compile()
+    return spec
 
 
 def _add_materials(spec: mujoco.MjSpec) -> None:

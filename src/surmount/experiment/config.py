@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from surmount.analysis import AnalysisConfig
-from surmount.core.configuration import Record, to_record
 from surmount.core.errors import ConfigError
 from surmount.core.run_layout import MOST_NETWORKS
 from surmount.envs import EnvConfig
@@ -88,10 +87,3 @@ class ExperimentConfig:
             raise ConfigError(
                 f"`seed` is {self.seed}.", remedy="Give a number from 0 to 2147483647."
             )
-
-
-def task_part(config: ExperimentConfig) -> Record:
-    """Return what the environments of an experiment depend on."""
-    record = to_record(config)
-    part = {"obstacle": record["obstacle"], "env": record["env"]}
-    return part | ({"own_sha256": config.own_sha256} if config.own_sha256 else {})

@@ -27,6 +27,7 @@ from surmount.envs import OBSTACLES
 from surmount.experiment import stages
 from surmount.experiment.graph import Stage
 from surmount.experiment.presets import preset
+from surmount.experiment.task_family import task_part
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,12 +112,13 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                     ) from error
                 record = to_record(config)
                 name = f"initiation/{setting.name}/{obstacle}/network-{network}"
-                keys = ("obstacle", "env", "learner", "checkpoint_steps", "initial_steps")
+                task = task_part(config)
+                keys = ("learner", "checkpoint_steps", "initial_steps")
                 graph.append(
                     Stage(
                         name=name,
                         function=stages.initiate,
-                        config={key: record[key] for key in keys},
+                        config=task | {key: record[key] for key in keys},
                         seed=derive_seed(config.seed, obstacle, "map", network),
                     )
                 )
@@ -124,10 +126,7 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                     Stage(
                         name=trials_stage(setting.name, obstacle, network),
                         function=stages.run_trials,
-                        config={
-                            **{key: record[key] for key in ("obstacle", "env", "trials")},
-                            "network": network,
-                        },
+                        config=task | {"trials": record["trials"], "network": network},
                         seed=derive_seed(config.seed, obstacle, "map trials", network),
                         inputs={"network": (name,)},
                     )

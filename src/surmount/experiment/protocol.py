@@ -12,10 +12,10 @@ from surmount.core.configuration import Record, to_record
 from surmount.core.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
-from surmount.experiment.config import ExperimentConfig, task_part
+from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage, StageFunction
 from surmount.experiment.statistics import compare
-from surmount.experiment.task_family import task_family
+from surmount.experiment.task_family import task_family, task_part
 from surmount.experiment.trial_stages import trial_stages
 
 

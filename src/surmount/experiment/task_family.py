@@ -9,9 +9,12 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.arrays import FloatArray
+from surmount.core.configuration import Record, to_record
 from surmount.core.errors import ConfigError
 from surmount.core.tasks import TaskDistribution
 from surmount.envs import EnvConfig, ObstacleVectorEnv, find_obstacle
+from surmount.envs.scene import model_hash
+from surmount.experiment.config import ExperimentConfig
 from surmount.learn import TaskVectorEnv
 from surmount.own import TaskBatch, is_own, load_make_env, source_hash
 
@@ -111,3 +114,14 @@ def own_family(name: str, sha256: str) -> TaskFamily:
 def task_family(task: str, config: EnvConfig, own_sha256: str = "") -> TaskFamily:
     """Return the family of one of RSTAR's obstacles, or of somebody's own environment."""
     return own_family(task, own_sha256) if is_own(task) else obstacle_family(task, config)
+
+
+def task_part(config: ExperimentConfig) -> Record:
+    """Return what the environments of an experiment depend on: settings, and model or source."""
+    record = to_record(config)
+    source = (
+        {"own_sha256": config.own_sha256}
+        if is_own(config.obstacle)
+        else {"model_sha256": model_hash(find_obstacle(config.obstacle), config.env)}
+    )
+    return {"obstacle": record["obstacle"], "env": record["env"], **source}

@@ -19,9 +19,10 @@ from surmount.core.run_layout import ANALYSIS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
 from surmount.core.task_space import harder_by_success
 from surmount.experiment import stages
-from surmount.experiment.config import ExperimentConfig, task_part
+from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage, StageContext
 from surmount.experiment.protocol import protocol
+from surmount.experiment.task_family import task_part
 from surmount.experiment.teacher_statistics import compare_teachers
 from surmount.experiment.trial_stages import trial_stages
 from surmount.learn import Snapshot
