@@ -13,7 +13,7 @@ from surmount.experiment.footage import Wanted, motions
 
 STILLS = (
     ("narrow-channel", "front", 0.70),
-    ("low-entrance", "track", 0.60),
+    ("low-entrance", "track", 0.75),
     ("step", "track", 0.8),
 )
 """Obstacle, camera, and moment as a fraction of the stored manoeuvre for its hardest variant."""

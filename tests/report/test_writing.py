@@ -10,6 +10,7 @@ import sys
 from importlib import resources
 
 import pytest
+from markdown_it import MarkdownIt
 from page_reader import PageReader
 from run_builder import SMALL, RunBuilder
 
@@ -20,6 +21,7 @@ from surmount.core.records import read_record, write_record
 from surmount.experiment.stages import analyse
 from surmount.report import write_analysis_report, write_report
 from surmount.report.contents import document_of
+from surmount.report.markdown import markdown
 from surmount.report.page import page
 from surmount.report.results import read_run
 from surmount.report.stills import StillFiles, draw
@@ -121,8 +123,23 @@ def test_page_shows_the_whole_configuration_by_dotted_keys(reported):
     assert [key for key in keys if key not in words] == []
 
 
+def test_the_markdown_has_every_table_and_figure_of_the_page(reported):
+    text = (reported.root / "report.md").read_text(encoding="utf-8")
+    read = _parse(text)
+    tables = sum(kind == "table_open" for kind, _ in read)
+    assert tables == 1 + len(PageReader(reported.text()).all("table"))  # and the short facts
+    pictures = {content for kind, content in read if kind == "image"}
+    assert pictures == {f"figures/{name}.png" for name in FIGURES}
+    linked = {content for kind, content in read if kind == "link_open"}
+    assert linked == {f"figures/{name}.csv" for name in FIGURES}
+
+
 def test_the_same_artefacts_give_the_same_bytes(reported):
-    files = [reported.page, *sorted((reported.root / "figures").iterdir())]
+    files = [
+        reported.page,
+        reported.page.with_suffix(".md"),
+        *sorted((reported.root / "figures").iterdir()),
+    ]
     before = {path: path.read_bytes() for path in files}
     write_report(reported.root)
     assert [path.name for path in files if path.read_bytes() != before[path]] == []
@@ -159,6 +176,13 @@ def test_hostile_names_are_shown_as_text_and_never_as_markup(tmp_path):
     assert {image["class"] for image in read.all("img")} == {"still"}
     assert not [a for _, a in read.elements if any(name.startswith("on") for name in a)]
     assert HOSTILE in read.text
+    document = document_of(read_run(tmp_path))
+    tokens = _parse(markdown(document, page="report.html", figures="figures"))
+    raw = "".join(text for kind, text in tokens if kind.startswith("html"))
+    assert set(re.findall(r"<[^>]*>", raw)) == {
+        *("<details>", "<summary>", "</summary>", "</details>")
+    }
+    assert HOSTILE in "".join(text for kind, text in tokens if kind.startswith("text"))
     plots = [
         json.loads(text)
         for attributes, text in read.scripts
@@ -324,6 +348,17 @@ def test_page_of_an_analysis_is_made_from_the_record_alone(reported, tmp_path):
         write_analysis_report({"kind": "something else"}, tmp_path)
 
 
+def _parse(text):
+    """Return kind and content of every token of Markdown: of links and pictures, where they go."""
+    blocks = MarkdownIt("commonmark").enable("table").parse(text)
+    tokens = [token for block in blocks for token in (block, *(block.children or ()))]
+    return [
+        (token.type, token.attrs.get("src") or token.attrs.get("href") or token.content)
+        for token in tokens
+        if token.type != "inline"
+    ]
+
+
 def _page(root, *, drawn):
     """Return the page of a run, with only some of its still figures drawn, to save time."""
     document = document_of(read_run(root))
@@ -339,5 +374,5 @@ def _page(root, *, drawn):
 def _copy(source, target):
     """Return a copy of a run folder without its report."""
     root = target / "run"
-    shutil.copytree(source, root, ignore=shutil.ignore_patterns("figures", "report.html"))
+    shutil.copytree(source, root, ignore=shutil.ignore_patterns("figures", "report.*"))
     return root

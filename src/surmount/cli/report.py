@@ -17,7 +17,7 @@ def report(
     *,
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None,
 ) -> int:
-    """Write report.html, figures and films of a run from its artefacts; works on unfinished runs.
+    """Write report.html, report.md, figures and films of a run; works on unfinished runs.
 
     Args:
         folder: The --out folder of a run; of several, with --out, for one page over all of them.

@@ -17,7 +17,7 @@ __all__ = ["write_analysis_report", "write_overview", "write_report"]
 
 
 def write_report(root: Path | str) -> Path:
-    """Write ``report.html`` and ``figures/`` of a run from its artefacts.
+    """Write ``report.html``, ``report.md`` and ``figures/`` of a run from its artefacts.
 
     The page is one file that works offline, on a phone and in print. A run that was not finished
     gives a page that says what is missing. The same artefacts give the same bytes.
@@ -50,7 +50,7 @@ def write_report(root: Path | str) -> Path:
 
 
 def write_analysis_report(analysis_record: Mapping[str, Any], root: Path | str) -> Path:
-    """Write ``report.html`` and ``figures/`` of an analysis of any trials.
+    """Write ``report.html``, ``report.md`` and ``figures/`` of an analysis of any trials.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def write_analysis_report(analysis_record: Mapping[str, Any], root: Path | str) 
 
 
 def write_overview(roots: Sequence[Path | str], out: Path | str) -> Path:
-    """Write ``report.html`` and ``figures/`` over several runs, one per obstacle.
+    """Write ``report.html``, ``report.md`` and ``figures/`` over several runs, one per obstacle.
 
     Parameters
     ----------

@@ -10,8 +10,6 @@ import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.core.records import write_atomically
-from surmount.core.store import output_errors
 from surmount.report.document import (
     Block,
     Column,
@@ -23,14 +21,13 @@ from surmount.report.document import (
     Section,
     Table,
 )
-from surmount.report.page import page
 from surmount.report.palette import INK, SEQUENTIAL
 from surmount.report.plots import compact, plain, plot
-from surmount.report.stills import axes_grid, draw, write_still
+from surmount.report.stills import axes_grid
 from surmount.report.text import integer, percent, percent_interval, reached, variant_label
+from surmount.report.writing import write_document
 
-PAGE = "teachers.html"
-FIGURES = "figures"
+NAME = "teachers"
 FEW_NETWORKS = 5
 """Networks below which the page says that nothing can be concluded."""
 COLUMNS = 3
@@ -49,13 +46,7 @@ def write_teachers_report(record: Record, root: Path) -> Path:
     root
         The run's folder.
     """
-    document = document_of_teachers(record)
-    with output_errors(root):
-        stills = {figure.name: draw(figure.still) for figure in document.figures()}
-        for figure in document.figures():
-            write_still(root / FIGURES, figure.name, stills[figure.name], figure.data)
-        write_atomically(root / PAGE, page(document, stills).encode())
-    return root / PAGE
+    return write_document(document_of_teachers(record), root, NAME)
 
 
 def document_of_teachers(record: Record) -> Document:

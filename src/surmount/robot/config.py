@@ -57,7 +57,7 @@ class RobotConfig:
 
     gear: Gear = "wheels"
     """Running gear: "wheels", "whegs" or "both"; the robot takes either or both (paper II)."""
-    friction: float = 1.3
+    friction: float = 0.7
     """Sliding friction of tyres and spokes against everything, coefficient; assumed: within the
     range at which every variant is feasible and the hardest not by far (ADR 20), chosen by what the
     initiation then leaves to learn (ADR 21)."""
