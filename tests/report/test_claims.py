@@ -91,6 +91,14 @@ def test_arms_that_are_alike_do_not_reproduce_a_difference_but_do_reproduce_its_
     assert found["success with and without curriculum, medium (34–46 mm)"] == "not reproduced"
 
 
+def test_arms_that_were_never_trained_reproduce_nothing():
+    same = outcomes(lambda size: 0.97)
+    found = verdicts(results(analysis([34, 47], levels=0), curriculum=same, control=same))
+    assert [verdict for claim, verdict in found.items() if "with and without" in claim] == (
+        ["open"] * 3
+    )
+
+
 def test_a_difference_that_only_trials_show_is_partly_reproduced():
     # One network of five gains everything: 900 trials are sure of it, five networks are not.
     control = outcomes(lambda size: 0.5)

@@ -6,7 +6,7 @@ The rules for verdicts were written before any run at the paper's scale was look
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -73,12 +73,24 @@ def claims_of(results: RunResults) -> tuple[Claim, ...]:
     claims = [_groups(paper, results.analysis), _levels(paper, results.analysis)]
     if "initiation" in tests:
         claims += [_initiation(group, tests["initiation"]) for group in groups]
+    of_arms: list[Claim] = []
     if all(arm in tests for arm in ARMS):
         before = tests.get("initiation")
-        claims += [_success(group, tests[ARMS[0]], tests[ARMS[1]], before) for group in groups]
+        of_arms += [_success(group, tests[ARMS[0]], tests[ARMS[1]], before) for group in groups]
     if results.comparison is not None:
-        claims.append(_survival(results.comparison))
-    return tuple(claims)
+        of_arms.append(_survival(results.comparison))
+    if results.analysis.curriculum.n_levels == 0:
+        of_arms = [_untrained(claim) for claim in of_arms]
+    return (*claims, *of_arms)
+
+
+def _untrained(claim: Claim) -> Claim:
+    """Return a claim about two arms of which neither has left the initial network."""
+    return replace(
+        claim,
+        verdict="open",
+        reason="The curriculum has no levels: neither arm was trained any further.",
+    )
 
 
 # Grouping --------------------------------------------------------------------------------------
