@@ -13,6 +13,7 @@ from pathlib import Path
 
 from surmount.core.run_folder import open_run
 from surmount.core.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS
+from surmount.experiment import stages
 from surmount.learn import Snapshot, acting_only
 from surmount.report import write_report
 
@@ -30,14 +31,14 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
             shutil.copy(path, folder / "figures")
     analysis, statistics = run.stages[ANALYSIS], run.stages[STATISTICS]
     for path in (
-        analysis.path("curriculum.json"),
-        analysis.path("analysis.json"),
+        analysis.path(stages.CURRICULUM),
+        analysis.path(stages.ANALYSIS),
         statistics.path("statistics.json"),
     ):
         shutil.copy(path, folder)
     for kind in TRAININGS:
         for index, artefact in list(run.numbered(kind).items())[:networks]:
-            network = acting_only(Snapshot.load(artefact.path("network.safetensors")))
+            network = acting_only(Snapshot.load(artefact.path(stages.NETWORK)))
             network.save(folder / "networks" / f"{kind}-{index}.safetensors")
 
 
