@@ -85,7 +85,7 @@ def test_a_variant_with_few_samples_gets_fewer_components_and_a_warning():
     keep = ~((trials.variant[:, 0] == 2.0) & (trials.repetition > 0))
     analysis = sound(determine_curriculum(trials.select(keep), QUICK))
     assert [m.fit.requested for m in analysis.mixtures] == [3, 3, 2, 3]
-    assert any("too few samples for 3 components" in warning for warning in analysis.warnings)
+    assert any("enough samples for 3 components" in warning for warning in analysis.warnings)
 
 
 def test_a_variant_with_hardly_a_sample_is_refused_by_name():

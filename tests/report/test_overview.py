@@ -10,7 +10,8 @@ from run_builder import RunBuilder
 
 from surmount.cli.main import run
 from surmount.core.errors import InputError
-from surmount.report import write_overview
+from surmount.core.run_layout import ARMS
+from surmount.report import write_overview, write_report
 from surmount.report.claims import claims_of
 from surmount.report.results import read_run
 
@@ -52,3 +53,21 @@ def test_the_command_takes_one_run_or_several_with_a_folder(capsys, roots, tmp_p
     assert "There are 2 runs." in capsys.readouterr().err
     assert run(["report", *map(str, roots), "--out", str(tmp_path)]) == 0
     assert f"Report: {(tmp_path / 'report.html').resolve()}" in capsys.readouterr().out
+
+
+def test_arms_that_were_never_trained_take_no_part_in_what_all_obstacles_say(roots, tmp_path):
+    idle = tmp_path / "channel"
+    idle.mkdir()
+    sure = dict.fromkeys(("initiation", *ARMS), (1.0, 1.0, 1.0))
+    RunBuilder(idle, obstacle="narrow-channel", success=sure).whole()
+    alone = write_overview((roots[0],), tmp_path / "alone")
+    both = write_overview((roots[0], idle), tmp_path / "both")
+    pages = [PageReader(page.read_text(encoding="utf-8")).text for page in (alone, both)]
+    left_out = "Narrow channel is left out. The curriculum has no levels: neither arm was trained"
+    assert [left_out in page for page in pages] == [False, True]
+    profiles = [
+        (page.parent / "figures" / "figure-11-profiles.csv").read_bytes() for page in (alone, both)
+    ]
+    assert profiles[0] == profiles[1]
+    own_page = PageReader(write_report(idle).read_text(encoding="utf-8")).text
+    assert "Both arms are the networks after the initiation: what differs is chance." in own_page

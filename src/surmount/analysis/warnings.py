@@ -58,12 +58,12 @@ def _about_fits(analysis: Analysis) -> list[str]:
     fewer = sum(fit.requested < wanted for fit in fits)
     if fewer and not analysis.config.components_per_variant:
         found.append(
-            f"{fewer} variants have too few samples for {wanted} components and got fewer."
+            f"Not every variant has enough samples for {wanted} components: {fewer} got fewer."
         )
     if analysis.collapsed:
         found.append(
-            f"{analysis.collapsed} components collapsed and were removed: these variants hold "
-            "fewer distinct samples than components."
+            f"Components collapsed and were removed ({analysis.collapsed} in all): their variants "
+            "hold fewer distinct samples than components."
         )
     curve = analysis.bic
     if curve and curve.minimum == curve.components[-1] == analysis.config.max_components:

@@ -27,7 +27,7 @@ from surmount.report.text import (
     significant,
     variant_range,
 )
-from surmount.report.verdicts import NO_DIFFERENCE, NOT_TESTABLE, time_verdict
+from surmount.report.verdicts import NO_DIFFERENCE, NOT_TESTABLE, UNTRAINED, time_verdict
 from surmount.stats import Bootstrap, bootstrap_interval, network_difference, proportion_test
 
 Verdict = Literal["reproduced", "partly", "not reproduced", "open"]
@@ -86,11 +86,7 @@ def claims_of(results: RunResults) -> tuple[Claim, ...]:
 
 def _untrained(claim: Claim) -> Claim:
     """Return a claim about two arms of which neither has left the initial network."""
-    return replace(
-        claim,
-        verdict="open",
-        reason="The curriculum has no levels: neither arm was trained any further.",
-    )
+    return replace(claim, verdict="open", reason=UNTRAINED)
 
 
 # Grouping --------------------------------------------------------------------------------------

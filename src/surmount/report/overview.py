@@ -28,6 +28,7 @@ from surmount.report.success_figure import success_by_group
 from surmount.report.summary import notices
 from surmount.report.text import counted, duration, integer, listed, number
 from surmount.report.variant_figure import success_by_variant
+from surmount.report.verdicts import UNTRAINED
 from surmount.stats import (
     Bootstrap,
     bootstrap_interval,
@@ -137,7 +138,9 @@ def _of_obstacle(figure: Figure, run: RunResults) -> Figure:
 
 def _together(runs: Sequence[RunResults]) -> Section | None:
     """Summarise over networks, each obstacle being a stratum with networks of its own."""
-    finished = [run for run in runs if all(arm in run.tests for arm in ARMS)]
+    tested = [run for run in runs if all(arm in run.tests for arm in ARMS)]
+    untrained = [run for run in tested if _untrained(run)]
+    finished = [run for run in tested if run not in untrained]
     if not finished:
         return None
     scores: dict[str, dict[str, FloatArray]] = {
@@ -166,11 +169,16 @@ def _together(runs: Sequence[RunResults]) -> Section | None:
         "Stratified bootstrap: networks are redrawn within their obstacle. Rates of all "
         "variants count alike, so obstacles with more variants count more."
     )
-    table = evidence_table("Success over networks, all obstacles", rows, (note,))
+    left_out = [f"{_title(run)} is left out. {UNTRAINED}" for run in untrained]
+    table = evidence_table("Success over networks, all obstacles", rows, (note, *left_out))
     figure = profiles(
         {arm: performance_profile(own, THRESHOLDS, bootstrap) for arm, own in scores.items()}
     )
     return Section(anchor="together", title="All obstacles together", blocks=(table, figure))
+
+
+def _untrained(run: RunResults) -> bool:
+    return run.analysis is not None and run.analysis.curriculum.n_levels == 0
 
 
 # What it took ----------------------------------------------------------------------------------

@@ -27,6 +27,7 @@ from surmount.report.text import (
 from surmount.report.variant_figure import success_by_variant
 from surmount.report.verdicts import (
     NOT_TESTABLE,
+    UNTRAINED,
     because,
     path_verdict,
     success_verdict,
@@ -41,6 +42,9 @@ def testing_section(
     """Show success, completion times and path lengths of both arms."""
     blocks: list[Block] = []
     if analysis is not None and comparison is not None:
+        if analysis.curriculum.n_levels == 0:
+            both = "Both arms are the networks after the initiation: what differs is chance."
+            blocks.append(Notice(title="Nothing to compare", sentences=(UNTRAINED, both)))
         blocks += [
             success_by_group(comparison, analysis.curriculum, tests),
             success_table(comparison),

@@ -9,6 +9,7 @@ from surmount.stats import LogRank, MethodContrast, ProportionTest
 
 NOT_TESTABLE = "not testable"
 NO_DIFFERENCE = "no difference shown"
+UNTRAINED = "The curriculum has no levels: neither arm was trained any further."
 
 
 def success_verdict(test: ProportionTest) -> str:
