@@ -7,9 +7,14 @@ import io
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
+from dataclasses import replace
+from itertools import chain, combinations
+from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -110,6 +115,86 @@ def test_the_printed_error_is_the_realised_one():
     assert (counts >= 1).all()
 
 
+def test_the_printed_error_holds_for_any_intervals_taken_together():
+    weights = np.array([0.2, 0.2, 0.2, 0.2, 0.2])
+    lengths = np.array([100.0, 99.0, 0.3, 0.7, 3.0])
+    counts, error = interval_counts(weights, lengths)
+    difference = counts * lengths / (counts @ lengths) - weights
+    assert (difference > 0.01).sum() > 1 < (difference < -0.01).sum()
+    some = chain.from_iterable(combinations(difference, size) for size in range(1, 5))
+    assert error == pytest.approx(max(abs(sum(one)) for one in some))
+
+
+def test_a_narrow_group_beside_a_wide_one_is_told_and_fills_no_file():
+    uneven = Curriculum(
+        parameters=("height_mm",),
+        groups=(
+            group("easy", [[0.0], [1000.0]], 0.96, ([0.0], [1000.0], 2)),
+            group("difficult", [[1000.0], [1000.001]], 0.1, ([1000.0], [1000.001], 2)),
+        ),
+        levels=(Level(dominant="difficult", weights=(0.3, 0.7)),),
+        success_threshold=0.95,
+    )
+    export = export_ml_agents(uneven)
+    (found,) = intervals_of(export.files["curriculum.yaml"])
+    assert len(found) <= 400
+    said = re.search(r"weights are met to within ([\d.]+) percentage points", export.notes[0])
+    assert float(said[1]) == pytest.approx(
+        100 * (drawn_share(found, 0.0, 1000.0) - 0.3), rel=0.05  # two digits are printed
+    )  # fmt: skip
+    assert "`--to csv`" in export.notes[1]
+
+
+def test_many_boxes_keep_the_weights_of_their_groups():
+    rng = np.random.default_rng(0)
+    weights = rng.choice([0.25, 0.7, 0.05], size=600)
+    weights /= weights.sum()
+    counts, _ = interval_counts(weights, np.ones(600))
+    for weight in np.unique(weights):
+        group = weights == weight
+        assert counts[group].sum() / counts.sum() == pytest.approx(weights[group].sum(), abs=0.006)
+    assert counts.sum() <= 6000
+
+
+def parameter_of(text: str) -> object:
+    """Return the one name under ``environment_parameters``, as YAML says it."""
+    try:
+        import yaml  # noqa: PLC0415 - not a dependency
+    except ModuleNotFoundError:
+        return json.loads(text.splitlines()[1].strip().removesuffix(":"))
+    (name,) = yaml.safe_load(text)["environment_parameters"]
+    return name
+
+
+@pytest.mark.parametrize(
+    "name", ["height: mm # x", "on", "~", "1e3", "- h", "{h}", 'a "b" \\c', "&h", "h:", "?"]
+)
+def test_no_name_of_a_parameter_is_taken_for_something_else(name):
+    named = replace(STEP, parameters=(name,))
+    export = export_ml_agents(named)
+    for file in ("curriculum.yaml", "level_1.yaml", "level_2.yaml"):
+        assert parameter_of(export.files[file]) == name
+
+
+def test_behaviours_and_groups_are_read_as_they_are_written():
+    yaml = pytest.importorskip("yaml", reason="needs PyYAML")
+    names = {"medium": "no \U0001f916: #1"}
+    groups = tuple(replace(one, name=names.get(one.name, one.name)) for one in STEP.groups)
+    levels = (Level(dominant=names["medium"], weights=STEP.levels[0].weights), STEP.levels[1])
+    odd = replace(STEP, groups=groups, levels=levels)
+    text = export_ml_agents(odd, behavior="Größe: \U0001f916\x7f").files["curriculum.yaml"]
+    assert text.isascii()
+    first = yaml.safe_load(text)["environment_parameters"]["height_mm"]["curriculum"][0]
+    assert first["name"] == "level_1_no_\U0001f916:_#1"
+    assert first["completion_criteria"]["behavior"] == "Größe: \U0001f916\x7f"
+
+
+def test_a_name_that_ml_agents_cannot_send_is_refused():
+    named = replace(STEP, parameters=("Höhe_mm",))
+    with pytest.raises(InputError, match="`Höhe_mm` has letters that ML-Agents cannot send"):
+        export_ml_agents(named)
+
+
 def test_several_parameters_are_drawn_by_the_index_of_their_box():
     export = export_ml_agents(TWO)
     rows = list(csv.DictReader(io.StringIO(export.files["variant_index.csv"])))
@@ -117,12 +202,19 @@ def test_several_parameters_are_drawn_by_the_index_of_their_box():
     (found,) = intervals_of(export.files["curriculum.yaml"])
     assert drawn_share(found, 1.0, 2.0) == pytest.approx(0.7, abs=0.006)
     assert "cannot draw several together" in export.notes[0]
+    assert "clamp it to 1 " in export.notes[0]
+
+
+def test_the_table_of_boxes_holds_names_with_commas():
+    export = export_ml_agents(replace(TWO, parameters=("g", "wind, m/s")))
+    rows = list(csv.DictReader(io.StringIO(export.files["variant_index.csv"])))
+    assert [row["wind, m/s_upper"] for row in rows] == ["5.0", "9.0"]
 
 
 @pytest.mark.skipif(
     "SURMOUNT_MLAGENTS_PYTHON" not in os.environ, reason="needs a Python with mlagents 1.1.0"
 )
-@pytest.mark.parametrize("curriculum", [STEP, TWO])
+@pytest.mark.parametrize("curriculum", [STEP, TWO, replace(STEP, parameters=("height: mm # x",))])
 def test_the_parser_of_ml_agents_reads_the_files(curriculum, tmp_path):
     export = export_ml_agents(curriculum, behavior="RSTAR")
     paths = []
@@ -205,16 +297,55 @@ assert abs(np.mean(many) - 0.7) < 5 * np.sqrt(0.21 / 2000)
     assert done.returncode == 0, done.stderr
 
 
-def test_the_file_for_syllabus_samples_the_levels_by_their_weights(tmp_path, monkeypatch):
+class Start(gymnasium.Env):
+    """Its start is two draws of its own generator."""
+
+    observation_space = gymnasium.spaces.Box(0.0, 1.0, (2,))
+    action_space = gymnasium.spaces.Discrete(1)
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return self.np_random.random(2), {}
+
+
+@pytest.mark.parametrize("seeds", [[7] + [None] * 499, range(500)])
+def test_tasks_for_stable_baselines_do_not_go_with_the_starts(seeds):
+    pytest.importorskip("stable_baselines3", reason="needs Stable-Baselines3")
+    space: dict = {}
+    exec(export_curriculum(STEP, "sb3").files["curriculum_sb3.py"], space)  # noqa: S102
+    env = space["LevelWrapper"](Start(), lambda inner, task: None)
+    starts, tasks = np.empty((500, 2)), np.empty(500)
+    for episode, seed in enumerate(seeds):
+        starts[episode], _ = env.reset(seed=seed)
+        tasks[episode] = env.task["height_mm"]
+    # What is independent correlates to within 1 / sqrt(500), here four times.
+    for start in starts.T:
+        assert abs(np.corrcoef(start, tasks)[0, 1]) < 4 / np.sqrt(500)
+    env.reset(seed=7)
+    again = env.task
+    env.reset(seed=7)
+    assert env.task == again
+
+
+def test_the_file_for_syllabus_samples_the_first_and_the_last_level_by_their_weights():
     pytest.importorskip("syllabus", reason="needs Syllabus")
     text = export_curriculum(STEP, "syllabus").files["curriculum_syllabus.py"]
     space: dict = {}
     exec(compile(text, "curriculum_syllabus.py", "exec"), space)  # noqa: S102
     curriculum = space["make_curriculum"]()
-    drawn = np.array(curriculum.sample(k=4000)).ravel()
     boxes = space["BOXES"]
-    easy = np.mean([boxes[int(task)] == ((21.0,), (33.5,)) for task in drawn])
-    assert easy == pytest.approx(0.25, abs=5 * np.sqrt(0.25 * 0.75 / 4000))
+
+    def share(low, high):
+        drawn = np.array(curriculum.sample(k=4000)).ravel()
+        return np.mean([boxes[int(task)] == ((low,), (high,)) for task in drawn])
+
+    within = 5 * np.sqrt(0.25 / 4000)
+    assert share(21.0, 33.5) == pytest.approx(0.25, abs=within)
+    assert share(46.5, 50.0) == pytest.approx(0.05, abs=within)
+    for _ in range(space["FIRST_EPISODES"]):  # returns that do not grow end the first level
+        curriculum.update_on_episode(0.0, 10, 0, 0.0)
+    assert share(21.0, 33.5) == pytest.approx(0.2, abs=within)
+    assert share(46.5, 50.0) == pytest.approx(0.7, abs=within)
 
 
 def test_the_file_for_syllabus_is_python_and_holds_the_levels():
@@ -239,10 +370,39 @@ def test_an_unknown_format_names_the_nearest():
     assert "`ml-agents`" in caught.value.remedy
 
 
-def test_a_curriculum_without_levels_has_no_lesson():
-    empty = type(STEP)(**{**vars(STEP), "levels": ()})
-    with pytest.raises(InputError, match="no levels"):
-        export_ml_agents(empty)
+@pytest.mark.parametrize("to", ["ml-agents", "syllabus", "sb3", "csv"])
+def test_a_curriculum_without_levels_is_refused_by_every_format(capsys, tmp_path, to):
+    empty = replace(STEP, levels=())
+    empty.save(tmp_path / "curriculum.json")
+    out = tmp_path / "out"
+    code = run(["export", str(tmp_path / "curriculum.json"), "--to", to, "--out", str(out)])
+    assert code == 3
+    said = capsys.readouterr().err
+    assert "has no levels, so there is nothing to export" in said
+    assert "less than 95 % of their trials" in said
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("to", ["syllabus", "sb3", "csv", "onnx", "acting"])
+@pytest.mark.parametrize("option", ["--behavior=X", "--threshold=0.2"])
+def test_an_option_that_the_format_does_not_use_is_refused(capsys, tmp_path, to, option):
+    STEP.save(tmp_path / "curriculum.json")
+    out = tmp_path / "out"
+    code = run(["export", str(tmp_path / "curriculum.json"), "--to", to, "--out", str(out), option])
+    assert code == 2
+    said = capsys.readouterr().err
+    assert f"`--to {to}` does not use `{option.partition('=')[0]}`" in said
+    assert "--to ml-agents" in said
+    assert not out.exists()
+
+
+def test_ml_agents_uses_both_of_its_options(tmp_path):
+    STEP.save(tmp_path / "curriculum.json")
+    options = ["--to", "ml-agents", "--behavior", "RSTAR", "--threshold", "0.3"]
+    assert run(["export", str(tmp_path / "curriculum.json"), *options, "--out", str(tmp_path)]) == 0
+    text = (tmp_path / "curriculum.yaml").read_text(encoding="utf-8")
+    assert 'behavior: "RSTAR"' in text
+    assert "threshold: 0.3\n" in text
 
 
 LOG = """StepHeight,Episode,Run,Time,X,Reached
@@ -280,6 +440,13 @@ def test_a_log_with_names_of_its_own_becomes_trials(capsys, tmp_path):
         (LOG, {"trial": "Episodes"}, "no column `Episodes`"),
         (LOG.replace("35,9,a,0.1", "36,9,a,0.1"), {}, "changes within an episode"),
         (LOG.replace("true", "perhaps"), {}, "other values than true and false"),
+        (LOG.splitlines()[0] + "\n", {}, "has no rows"),
+        ("", {}, "has no rows"),
+        (
+            LOG.replace("b,0.1", "b,-0.5"),
+            {"features": {"time_s": "Time"}},
+            "at row 7 `Time` runs backwards, within `Episode` 9 of `Run` b",
+        ),
     ],
 )
 def test_a_log_that_cannot_be_read_says_why(tmp_path, text, columns, words):
@@ -289,3 +456,82 @@ def test_a_log_that_cannot_be_read_says_why(tmp_path, text, columns, words):
               "features": {"x": "X"}, "network": "Run"} | columns  # fmt: skip
     with pytest.raises(InputError, match=words):
         read_log(path, Columns(**chosen))
+
+
+@pytest.mark.parametrize(
+    "name", ["success", "network", "trial", "variant", "variant.width", "height_mm"]
+)
+def test_no_feature_replaces_another_column(capsys, tmp_path, name):
+    (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
+    out = tmp_path / "trials.csv"
+    options = ["--variant", "height_mm=StepHeight", "--feature", "distance_m=X", "--feature",
+               f"{name}=Time", "--trial", "Episode", "--success", "Reached"]  # fmt: skip
+    assert run(["convert", str(tmp_path / "log.csv"), "--out", str(out), *options]) == 2
+    said = capsys.readouterr().err
+    assert f"A feature cannot be named `{name}`" in said
+    assert "another name" in said
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("option", ["--variant", "--feature"])
+def test_a_name_given_twice_is_refused(capsys, tmp_path, option):
+    (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
+    options = ["--variant", "h=StepHeight", "--feature", "x=X", option, "y=X", option, "y=Time"]
+    code = run(["convert", str(tmp_path / "log.csv"), "--out", str(tmp_path / "t.csv"), *options])
+    assert code == 2
+    assert f"`{option} y` is given twice, as `X` and as `Time`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("times", "row"),
+    [([0.0, 0.1, 0.2, 0.0, 0.1], 4), ([0.0, 3.2, 0.1, 3.3], 3), ([1, 100, -100], 3)],
+)
+def test_two_areas_merged_into_one_trial_are_told_by_their_times(tmp_path, times, row):
+    path = tmp_path / "log.csv"
+    path.write_text("h,e,t,s\n" + "".join(f"30,1,{t},0\n" for t in times), encoding="utf-8")
+    columns = Columns(variant={"h": "h"}, trial="e", success="s", features={"time_s": "t"})
+    with pytest.raises(InputError, match=f"at row {row} `t` runs backwards") as caught:
+        read_log(path, columns)
+    assert "several agents" in caught.value.remedy
+
+
+def test_trials_that_are_interleaved_each_have_their_own_time(tmp_path):
+    path = tmp_path / "log.csv"
+    rows = [("a:0", 5.0), ("b:0", 0.0), ("a:0", 5.1), ("b:0", 0.1)]
+    path.write_text("h,e,t,s\n" + "".join(f"30,{e},{t},0\n" for e, t in rows), encoding="utf-8")
+    columns = Columns(variant={"h": "h"}, trial="e", success="s", features={"time_s": "t"})
+    trials = read_log(path, columns)
+    assert trials.features[:, 0].tolist() == [5.0, 5.1, 0.0, 0.1]
+
+
+def test_what_the_docs_let_unity_write_is_what_their_command_reads(tmp_path, monkeypatch):
+    page = (Path(__file__).parents[2] / "docs" / "exports.md").read_text(encoding="utf-8")
+    header = re.search(r'WriteLine\("(.*)"\)', page)[1]
+    row = re.search(r'\$"(.*)"', page)[1]
+    lines = [header]
+    for time in (0.0, 0.25):
+        for agent in (-1304, 88):
+            for episode in (0, 1):
+                said = {
+                    "GetInstanceID()": agent,
+                    "CompletedEpisodes": episode,
+                    "stepHeight": 30.5,
+                    "Time.time - began": time,
+                    "distance": 1.0 - time,
+                    "(reached ? 1 : 0)": int(agent > 0 and time > 0),
+                }
+                line = row
+                for name, value in said.items():
+                    line = line.replace(f"{{{name}}}", str(value))
+                assert "{" not in line
+                lines.append(line)
+    (tmp_path / "log.csv").write_text("\n".join(lines), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    command = re.search(r"\$ (surmount convert (?:.*\\\n)*.*)", page)[1].replace("\\\n", " ")
+    assert run(shlex.split(command)[1:]) == 0
+    trials = read_trials(tmp_path / "trials.parquet")
+    assert trials.n_trials == 4
+    assert trials.success.tolist() == [False, False, True, True]
+    assert trials.parameters == ("height_mm",)
+    np.testing.assert_array_equal(trials.final("time_s"), 0.25)
+    np.testing.assert_array_equal(trials.final("distance_m"), 0.75)

@@ -58,11 +58,16 @@ def convert(
 def _pairs(given: Sequence[str], option: str) -> dict[str, str]:
     pairs: dict[str, str] = {}
     for one in given:
-        name, equals, column = one.partition("=")
+        name, equals, column = (part.strip() for part in one.partition("="))
         if not equals or not name or not column:
             raise ConfigError(
                 f"`{option} {one}` is not a name and a column.",
                 remedy=f"Write it as {option} height_mm=StepHeight.",
+            )
+        if name in pairs:
+            raise ConfigError(
+                f"`{option} {name}` is given twice, as `{pairs[name]}` and as `{column}`.",
+                remedy=f"Give each name of {option} once.",
             )
         pairs[name] = column
     return pairs

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -22,8 +22,8 @@ def export(
     *,
     to: Annotated[str, tyro.conf.arg(metavar=f"{{{','.join((*FORMATS, *NETWORK_FORMATS))}}}")],
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path(),
-    behavior: str = "Robot",
-    threshold: float = 0.5,
+    behavior: str | None = None,
+    threshold: float | None = None,
 ) -> int:
     """Write a curriculum or a network for others, and say what the format cannot express.
 
@@ -32,14 +32,25 @@ def export(
         to: Of a curriculum: ml-agents (YAML), syllabus or sb3 (a Python file each), csv. Of a
             network: onnx, or acting (the same file without what only learning needs).
         out: Folder for the files.
-        behavior: For ml-agents: name of the behaviour in Unity.
-        threshold: For ml-agents: share of max_steps after which the last lesson begins.
+        behavior: For ml-agents: name of the behaviour in Unity; Robot if not given.
+        threshold: For ml-agents: share of max_steps after which the last lesson begins; a half if
+            not given.
     """
+    options: dict[str, Any] = {
+        name: value
+        for name, value in (("behavior", behavior), ("threshold", threshold))
+        if value is not None
+    }
+    if options and to != "ml-agents" and to in (*FORMATS, *NETWORK_FORMATS):
+        raise ConfigError(
+            f"`--to {to}` does not use {' and '.join(f'`--{name}`' for name in options)}.",
+            remedy="Leave it out, or give --to ml-agents.",
+        )
     if to in NETWORK_FORMATS or file.suffix == ".safetensors":
         return _export_network(file, to, out)
     curriculum = Curriculum.load(file)
     if to == "ml-agents":
-        made = export_ml_agents(curriculum, behavior=behavior, threshold=threshold)
+        made = export_ml_agents(curriculum, **options)
     else:
         made = export_curriculum(curriculum, to)
     with output_errors(out):

@@ -11,7 +11,7 @@ from importlib import resources
 from surmount.core.configuration import nearest
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import ConfigError
-from surmount.exports.export import Export
+from surmount.exports.export import Export, require_levels
 from surmount.exports.ml_agents import export_ml_agents
 
 _EQ5 = (
@@ -22,6 +22,7 @@ _EQ5 = (
 
 def export_table(curriculum: Curriculum) -> Export:
     """Return one row per level and box, with the probability and the bounds."""
+    require_levels(curriculum)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     names = curriculum.parameters
@@ -84,6 +85,8 @@ def export_curriculum(curriculum: Curriculum, to: str) -> Export:
     ------
     ConfigError
         If there is no such format.
+    InputError
+        If the curriculum has no levels, or the format cannot hold it.
     """
     if to not in FORMATS:
         raise ConfigError(f"Unknown format `{to}`.", remedy=nearest(to, [*FORMATS]))
@@ -91,6 +94,7 @@ def export_curriculum(curriculum: Curriculum, to: str) -> Export:
 
 
 def _filled(template: str, curriculum: Curriculum) -> str:
+    require_levels(curriculum)
     levels = [
         dict(curriculum.level_distribution(level).to_record())
         for level in range(curriculum.n_levels)

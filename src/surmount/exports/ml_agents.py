@@ -7,6 +7,8 @@ that remains is said.
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 
 import numpy as np
@@ -15,12 +17,16 @@ from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
 from surmount.core.tasks import TaskDistribution
-from surmount.exports.export import Export
+from surmount.exports.export import Export, require_levels
 
 MOST_INTERVALS = 400
-"""Intervals of one level at the most."""
+"""Intervals of one level at the most, where it has few boxes."""
+MOST_PER_BOX = 10
+"""Intervals of one level at the most for each of its boxes, where that is more."""
 GOOD_ERROR = 0.005
-"""Error of a weight at which no more intervals are tried."""
+"""Error of the weights at which no more intervals are tried."""
+POOR_ERROR = 0.05
+"""Error of the weights from which another way is recommended."""
 INDEX = "variant_index"
 """Parameter that stands for a box of several parameters."""
 
@@ -42,13 +48,10 @@ def export_ml_agents(
     Raises
     ------
     InputError
-        If there are no levels, the behaviour's name is empty, or the share is not between 0 and 1.
+        If there are no levels, the behaviour's name is empty, the share is not between 0 and 1,
+        or the parameter's name has letters that ML-Agents cannot send.
     """
-    if not curriculum.levels:
-        raise InputError(
-            "The curriculum has no levels, so there is no lesson to write.",
-            remedy="Give a curriculum with at least one level.",
-        )
+    require_levels(curriculum)
     if not behavior or not 0 < threshold < 1:
         raise InputError(
             f"The behaviour is {behavior!r} and the threshold {threshold}.",
@@ -58,32 +61,40 @@ def export_ml_agents(
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
     files: dict[str, str] = {}
     if len(curriculum.parameters) == 1:
-        name = curriculum.parameters[0]
+        name = _sendable(curriculum.parameters[0])
         step = _grid_step(curriculum)
         levels = [_widened(level, step, notes) for level in levels]
     else:
         name = INDEX
-        levels, files[f"{INDEX}.csv"] = _indexed(levels)
+        levels, files[f"{INDEX}.csv"], n_boxes = _indexed(levels)
         notes.append(
             "ML-Agents draws each parameter by itself and cannot draw several together: the YAML "
-            f"draws `{INDEX}`; in C#, floor it, look the row up in {INDEX}.csv, and draw each "
+            f"draws `{INDEX}`; in C#, floor it, clamp it to {n_boxes - 1} (in single precision a "
+            f"draw can be the upper bound itself), look the row up in {INDEX}.csv, and draw each "
             "parameter uniformly between the row's bounds."
         )
-    lessons = ["environment_parameters:", f"  {name}:", "    curriculum:"]
+    key = _quoted(name)
+    lessons = ["environment_parameters:", f"  {key}:", "    curriculum:"]
     for number, level in enumerate(levels, 1):
         counts, error = interval_counts(level.weights, (level.upper - level.lower)[:, 0])
         notes.append(
             f"Level {number}: {int(counts.sum())} intervals; weights are met to within "
             f"{100 * error:.2g} percentage points."
         )
+        if error >= POOR_ERROR:
+            notes.append(
+                f"Level {number} needs more intervals than a file should hold, for a narrow box "
+                "stands beside a wide one: `--to csv` has its weights as they are, to draw by in "
+                "C#."
+            )
         sampler = _sampler(level, counts)
         label = f"level_{number}_{curriculum.levels[number - 1].dominant}".replace(" ", "_")
-        lessons.append(f"      - name: {json.dumps(label)}")
+        lessons.append(f"      - name: {_quoted(label)}")
         if number < len(levels):
             share = threshold * number / max(len(levels) - 1, 1)
             lessons += _criteria(behavior, share)
         lessons += ["        value:", *(f"          {line}" for line in sampler)]
-        text = ["environment_parameters:", f"  {name}:", *(f"    {line}" for line in sampler)]
+        text = ["environment_parameters:", f"  {key}:", *(f"    {line}" for line in sampler)]
         files[f"level_{number}.yaml"] = "\n".join(text) + "\n"
     files["curriculum.yaml"] = "\n".join(lessons) + "\n"
     notes.append(
@@ -110,23 +121,25 @@ def interval_counts(weights: FloatArray, lengths: FloatArray) -> tuple[IntArray,
     Returns
     -------
     tuple
-        Counts, and the largest difference between a wanted and a realised probability.
+        Counts, the first with an error of at most :data:`GOOD_ERROR`, else those with the least
+        among no more than :data:`MOST_INTERVALS` intervals, or :data:`MOST_PER_BOX` for each one
+        given; and the error: the largest difference between the wanted and the realised
+        probability of any of them taken together, so of any group (total variation).
     """
-    wanted = weights / lengths
-    ratio = wanted / wanted.min()
-    best: tuple[float, IntArray] | None = None
-    scale = 1.0
-    while True:
-        counts = np.maximum(1, np.rint(scale * ratio)).astype(np.int64)
-        if best is not None and counts.sum() > MOST_INTERVALS:
-            return best[1], best[0]
+    share = weights / lengths / (weights / lengths).sum()
+    best, least = np.ones(weights.size, dtype=np.int64), np.inf
+    most = max(MOST_INTERVALS, MOST_PER_BOX * weights.size)
+    for total in np.linspace(0, most, MOST_INTERVALS + 1):
+        counts = np.maximum(1, np.rint(total * share)).astype(np.int64)
+        if counts.sum() > most:
+            break
         realised = counts * lengths / (counts * lengths).sum()
-        error = float(np.abs(realised - weights).max())
-        if best is None or error < best[0] - 1e-12:
-            best = (error, counts)
+        error = float(np.abs(realised - weights).sum() / 2)
+        if error < least - 1e-12:
+            best, least = counts, error
         if error <= GOOD_ERROR:
-            return counts, error
-        scale += 0.25
+            break
+    return best, least
 
 
 def _grid_step(curriculum: Curriculum) -> float:
@@ -140,7 +153,8 @@ def _widened(level: TaskDistribution, step: float, notes: list[str]) -> TaskDist
         values = ", ".join(f"{value:g}" for value in level.lower[flat, 0])
         sentence = (
             f"ML-Agents never draws an interval without length: {values} became an interval of "
-            f"{step:g}, half the distance between variants to each side."
+            f"{step:g}, half the distance between variants to each side; in C#, clamp what the "
+            "environment cannot take."
         )
         if sentence not in notes:
             notes.append(sentence)
@@ -153,16 +167,19 @@ def _widened(level: TaskDistribution, step: float, notes: list[str]) -> TaskDist
     )
 
 
-def _indexed(levels: list[TaskDistribution]) -> tuple[list[TaskDistribution], str]:
-    """Return levels over the index of a box, and the table of boxes."""
+def _indexed(levels: list[TaskDistribution]) -> tuple[list[TaskDistribution], str, int]:
+    """Return levels over the index of a box, the table of boxes, and how many there are."""
     boxes: dict[tuple[float, ...], int] = {}
     for level in levels:
         for bounds in np.column_stack([level.lower, level.upper]).tolist():
             boxes.setdefault(tuple(bounds), len(boxes))
     names = levels[0].parameters
-    header = [INDEX, *(f"{name}_lower" for name in names), *(f"{name}_upper" for name in names)]
-    rows = [",".join(header)]
-    rows += [",".join([str(index), *map(repr, bounds)]) for bounds, index in boxes.items()]
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(
+        [INDEX, *(f"{name}_lower" for name in names), *(f"{name}_upper" for name in names)]
+    )
+    writer.writerows([index, *bounds] for bounds, index in boxes.items())
     indexed: list[TaskDistribution] = []
     for level in levels:
         bounds = np.column_stack([level.lower, level.upper]).tolist()
@@ -172,7 +189,27 @@ def _indexed(levels: list[TaskDistribution]) -> tuple[list[TaskDistribution], st
                 parameters=(INDEX,), weights=level.weights, lower=index, upper=index + 1.0
             )
         )
-    return indexed, "\n".join(rows) + "\n"
+    return indexed, table.getvalue(), len(boxes)
+
+
+def _sendable(name: str) -> str:
+    if not name.isascii():
+        raise InputError(
+            f"The parameter `{name}` has letters that ML-Agents cannot send to Unity.",
+            remedy="Name it by letters of ASCII in the curriculum's file.",
+        )
+    return name
+
+
+def _quoted(text: str) -> str:
+    """Return text as a scalar of YAML that no parser takes for anything else.
+
+    JSON's form is YAML's too, but for characters that JSON writes in two halves.
+    """
+    return "".join(
+        ['"', *(json.dumps(one)[1:-1] if one < "\U00010000" else f"\\U{ord(one):08x}"
+                for one in text), '"']
+    )  # fmt: skip
 
 
 def _sampler(level: TaskDistribution, counts: IntArray) -> list[str]:
@@ -192,7 +229,7 @@ def _criteria(behavior: str, share: float) -> list[str]:
     return [
         "        completion_criteria:",
         "          measure: progress",
-        f"          behavior: {json.dumps(behavior)}",
+        f"          behavior: {_quoted(behavior)}",
         "          signal_smoothing: true",
         "          min_lesson_length: 100",
         f"          threshold: {share:.6g}",

@@ -14,10 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.errors import InputError
+from surmount.core.errors import ConfigError, InputError
 from surmount.core.table_file import read_columns
 from surmount.core.trial_table import trials_from_table
 from surmount.core.trials import Trials
+
+_RESERVED = ("variant", "network", "trial", "success")
+"""Columns of a table of trials that are no features."""
+_TIME = "time_s"
+_NUMBER_EPISODES = (
+    "Number episodes anew after each reset and, where several agents write one log, by agent, as "
+    "in `3:17`."
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +41,8 @@ class Columns:
     success
         Column that is not zero on a row where the goal is reached.
     features
-        Column of each feature, by the feature's name.
+        Column of each feature, by the feature's name; ``time_s`` is the time since the start of
+        the trial.
     network
         Column of the training run; all are one if empty.
     """
@@ -53,10 +62,17 @@ def read_log(path: Path, columns: Columns) -> Trials:
 
     Raises
     ------
+    ConfigError
+        If a feature has the name of something else.
     InputError
-        If a column is not there, an episode changes its variant, or the table is not valid.
+        If a column is not there, there are no rows, an episode changes its variant or its time
+        runs backwards, or the table is not valid.
     """
-    table = dict(read_columns(path))  # it hands each column out once
+    _check_features(columns)
+    file = read_columns(path)
+    if file.n_rows == 0:
+        raise InputError(f"{path} has no rows.", remedy="Log at least one trial.")
+    table = dict(file)  # it hands each column out once
     wanted = [*columns.variant.values(), columns.trial, columns.success,
               *columns.features.values(), *filter(None, [columns.network])]  # fmt: skip
     missing = [name for name in wanted if name not in table]
@@ -83,11 +99,40 @@ def read_log(path: Path, columns: Columns) -> Trials:
         if (first[own] != np.asarray(values)).any():
             raise InputError(
                 f"{path}: `{name}` changes within an episode.",
-                remedy="Number episodes anew after each reset, in the column of the episode.",
+                remedy=_NUMBER_EPISODES,
+            )
+    if _TIME in columns.features:
+        back = _first_back(np.asarray(table[columns.features[_TIME]]), own)
+        if back is not None:
+            run = f" of `{columns.network}` {network[back]}" if columns.network else ""
+            raise InputError(
+                f"{path}: at row {back + 1} `{columns.features[_TIME]}` runs backwards, within "
+                f"`{columns.trial}` {episode[back]}{run}.",
+                remedy=f"{_NUMBER_EPISODES} Write the rows of an episode in the order of time.",
             )
     found |= {"network": pairs[:, 0], "trial": pairs[:, 1], "success": success[own]}
     found |= {name: table[column] for name, column in columns.features.items()}
     return trials_from_table(found, source=str(path))
+
+
+def _check_features(columns: Columns) -> None:
+    for name in columns.features:
+        if name in _RESERVED or name.startswith("variant.") or name in columns.variant:
+            what = "a task parameter" if name in columns.variant else "a column of its own"
+            raise ConfigError(
+                f"A feature cannot be named `{name}`, which is {what} in a table of trials.",
+                remedy="Give the feature another name.",
+            )
+
+
+def _first_back(time: np.ndarray[Any, Any], trial: np.ndarray[Any, Any]) -> int | None:
+    """Return the first row, from 0, that is earlier than the row before it in its trial."""
+    if time.dtype.kind not in "iuf":
+        return None  # told with the table's other problems
+    order = np.argsort(trial, kind="stable")
+    back = (np.diff(time[order].astype(np.float64)) < 0) & (np.diff(trial[order]) == 0)
+    rows = order[1:][back]
+    return int(rows.min()) if rows.size else None
 
 
 def _codes(values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
