@@ -116,7 +116,7 @@ def test_settings_of_one_teacher_repeat_no_other():
     other = override(TEACHING, {"plr.temperature": 0.5})
     graphs = [comparison_graph(config, ("plr", "alp-gmm"), each) for each in (TEACHING, other)]
     changed = [one.name for one, two in zip(*graphs, strict=True) if one.config != two.config]
-    assert changed == ["teach/plr/network-0", "teach/plr/network-1"]
+    assert changed == ["teach/plr/network-0", "teach/plr/network-1", "teachers"]
 
 
 def test_success_in_training_is_that_of_the_newest_episodes():

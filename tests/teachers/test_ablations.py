@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from toy_learner import VARIANTS, ToyLearner, toy_brief, toy_curriculum, train
@@ -18,7 +20,15 @@ from surmount.teachers.ablations import (
 )
 
 PAPER = toy_curriculum()
+CONFIG = AnalysisConfig()
 RATES = np.repeat([0.97, 0.3, 0.0], 7)
+
+
+def of_groups(count, parameters=("x",)):
+    """Return what of the paper's curriculum matters to an ablation by distance."""
+    return SimpleNamespace(
+        parameters=parameters, groups=PAPER.groups[:1] * count, success_threshold=0.95
+    )
 
 
 def test_stepwise_levels_hold_their_dominant_group_alone():
@@ -59,6 +69,32 @@ def test_distance_in_parameter_space_groups_neighbours_whatever_their_behaviour(
         [5.0, 5.1, 5.2],
     ]
     assert [level.dominant for level in made.levels] == ["medium", "difficult"]
+
+
+@pytest.mark.parametrize("groups", [1, 2, 3, 4, 5, 7])
+def test_distance_in_parameter_space_gives_as_many_groups_also_among_equal_distances(groups):
+    line, square = np.arange(16.0)[:, None], np.indices((4, 4), dtype=float).reshape(2, 16).T
+    for parameters, variants in ((("x",), line), (("x", "y"), square)):
+        paper = of_groups(groups, parameters)
+        made = by_parameter_distance(paper, variants, np.linspace(1, 0, 16), CONFIG)
+        assert len(made.groups) == groups
+
+
+def test_distance_in_parameter_space_does_not_depend_on_units():
+    found = []
+    for variants in (np.arange(18.0), 0.1 * np.arange(18.0) + 7.3, 1e6 * np.arange(18.0)):
+        made = by_parameter_distance(PAPER, variants[:, None], np.linspace(1, 0, 18), CONFIG)
+        found.append([len(group.variants) for group in made.groups])
+    assert found[0] == found[1] == found[2]
+
+
+def test_distance_in_parameter_space_that_blurs_success_still_trains_its_hardest_group():
+    # Behaviour would set the single failing variant apart; nearness hides it in a group.
+    rates = np.ones(18)
+    rates[9] = 0.8
+    made = by_parameter_distance(of_groups(2), np.arange(18.0)[:, None], rates, CONFIG)
+    assert all(group.success_rate > 0.95 for group in made.groups)
+    assert [level.dominant for level in made.levels] == [made.groups[-1].name]
 
 
 def test_easy_to_hard_cuts_the_range_from_its_easy_end_with_as_many_levels():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,6 +82,50 @@ def test_the_state_is_json_and_goes_on_identically(name):
 
 
 @pytest.mark.parametrize("name", TEACHERS)
+def test_the_state_of_another_teacher_or_of_other_tasks_is_refused(name):
+    teacher = make_teacher(name, toy_brief())
+    for other in {"uniform", "plr", "paper", "spdl"} - {name}:
+        if name != "hardest" or other != "uniform":  # one kind, but other tasks
+            with pytest.raises(InputError, match=r"another (teacher|curriculum)"):
+                teacher.load_state_dict(make_teacher(other, toy_brief()).state_dict())
+    brief = toy_brief()
+    groups = tuple(
+        replace(group, boxes=tuple(replace(box, upper=2 * box.upper) for box in group.boxes))
+        for group in brief.curriculum.groups
+    )
+    moved = replace(
+        brief,
+        curriculum=replace(brief.curriculum, groups=groups),
+        variants=2 * VARIANTS,
+        whole_range=TaskDistribution.uniform(("x",), np.array([0.0]), np.array([2.0])),
+    )
+    with pytest.raises(InputError, match="other tasks"):
+        teacher.load_state_dict(make_teacher(name, moved).state_dict())
+
+
+@pytest.mark.parametrize("name", TEACHERS)
+def test_a_loop_that_tells_of_episodes_alone_gets_as_far_as_one_with_rollouts(name):
+    by_episode, by_rollout = (make_teacher(name, toy_brief(total_steps=1_000)) for _ in range(2))
+    learner = ToyLearner(0)
+    while not by_rollout.finished:
+        outcome = learner.rollout(by_rollout.distribution(), 5)
+        ended = outcome.episodes
+        spread = replace(outcome, rewards=np.repeat(ended.reward / ended.length, ended.length))
+        by_rollout.update_on_rollout(spread)
+        for index in range(ended.step.size):
+            assert not by_episode.finished
+            by_episode.update_on_episode(
+                float(ended.reward[index]),
+                int(ended.length[index]),
+                ended.variant[index],
+                float(ended.success[index]),
+                value_error=float(outcome.value_errors[index]),
+            )
+    assert by_episode.finished
+    assert by_episode.state_dict() == by_rollout.state_dict()
+
+
+@pytest.mark.parametrize("name", TEACHERS)
 def test_it_ends_with_the_first_rollout_that_reaches_the_budget(name):
     teacher = make_teacher(name, toy_brief(total_steps=1_001))
     assert len(train(teacher, ToyLearner(0), 100)) == 6  # 20 episodes of 10 steps each
@@ -135,6 +180,7 @@ def test_learning_progress_follows_change_up_or_down_and_leaves_what_is_constant
         tell(teacher, 0.0, True)
         tell(teacher, 1.0, False)
         tell(teacher, 0.2, True)
+        tell(teacher, 0.5, False)
     for _ in range(10):
         tell(teacher, 0.5, True)  # newly learnt
         tell(teacher, 0.2, False)  # newly forgotten
@@ -147,17 +193,26 @@ def test_learning_progress_follows_change_up_or_down_and_leaves_what_is_constant
     assert weights[[4, 10]].sum() > 0.7
 
 
+def test_learning_progress_does_not_take_what_was_mastered_before_for_progress():
+    teacher = LearningProgressTeacher(CELLS, **BUDGET, config=LearningProgressConfig())
+    for index in range(10):
+        for cell, task in enumerate(VARIANTS[:, 0]):
+            tell(teacher, task, index > 5 if cell == 10 else cell < 10)
+    assert teacher.progress()[:10].max() == 0.0
+    assert teacher.distribution().weights[10] == pytest.approx(0.8 + 0.2 / 21)
+
+
 def test_learnability_is_largest_where_half_succeeds():
     teacher = LearnabilityTeacher(CELLS, **BUDGET, config=LearnabilityConfig(uniform_share=0.1))
-    for index in range(40):
-        for cell, task in enumerate(VARIANTS[:, 0]):
-            tell(teacher, task, index % 2 == 0 if cell == 7 else cell < 7)
-    weights = teacher.distribution().weights
-    p = np.where(np.arange(21) < 7, 21 / 22, 1 / 22)
-    p[7] = 0.5  # (1 + 10) of (2 + 20), the newest twenty
-    expected = 0.1 / 21 + 0.9 * p * (1 - p) / (p * (1 - p)).sum()
-    np.testing.assert_allclose(weights, expected, rtol=1e-12)
-    assert weights.argmax() == 7
+    for episodes, mastered in ((10, 11 / 12), (40, 1.0)):  # one of each is added up to twenty
+        for index in range(episodes):
+            for cell, task in enumerate(VARIANTS[:, 0]):
+                tell(teacher, task, index % 2 == 0 if cell == 7 else cell < 7)
+        p = np.where(np.arange(21) < 7, mastered, 1 - mastered)
+        p[7] = 0.5
+        expected = 0.1 / 21 + 0.9 * p * (1 - p) / (p * (1 - p)).sum()
+        np.testing.assert_allclose(teacher.distribution().weights, expected, rtol=1e-12)
+    assert teacher.distribution().weights[7] == pytest.approx(0.9 + 0.1 / 21)
 
 
 def test_promotion_moves_up_on_success_down_on_failure_and_restarts_after_the_last_row():
@@ -169,8 +224,12 @@ def test_promotion_moves_up_on_success_down_on_failure_and_restarts_after_the_la
     assert teacher.rows()[:3].tolist() == [3, 0, 0]
     tell(teacher, 0.5, True)  # nobody stands there any more
     assert teacher.rows()[:3].tolist() == [3, 0, 0]
+    teacher.update_on_episode(0.0, 10, np.array([0.0]), 0.5)  # half of the way
+    assert teacher.rows()[:3].tolist() == [3, 0, 0]
     for row in range(20):
         tell(teacher, VARIANTS[row, 0], True)
+    assert teacher.rows()[20] == 1
+    teacher.update_on_episode(0.0, 10, np.array([1.0]), 0.5)
     assert teacher.rows()[20] == 1
     tell(teacher, 1.0, True)
     assert teacher.rows().sum() == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,14 +13,15 @@ from rich.table import Table
 from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.cli.reproduce import stop_on_signals
+from surmount.cli.reproduce import begun_with, stop_on_signals
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
+from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
 from surmount.core.store import sole_user
-from surmount.experiment import begin, preset, refuse_other, run
+from surmount.experiment import begin, refuse_other, run
 from surmount.experiment.teacher_statistics import FILE
-from surmount.experiment.teaching import COMPARISON, comparison_graph
+from surmount.experiment.teaching import COMPARISON, SETTINGS, comparison_graph
 from surmount.report import write_report
 from surmount.report.teachers_page import write_teachers_report
 from surmount.teachers import TEACHERS, TeachersConfig
@@ -31,10 +33,10 @@ TEACHING = "teaching."
 
 def compare(
     task: Annotated[
-        str,
+        str | None,
         tyro.conf.Positional,
         tyro.conf.arg(metavar="{narrow-channel,low-entrance,step,MODULE:FUNCTION}"),
-    ] = "step",
+    ] = None,
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
     teachers: Annotated[
@@ -42,6 +44,7 @@ def compare(
     ] = DEFAULT,
     seeds: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
     scale: Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")] = "smoke",
+    resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
     workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
@@ -53,23 +56,25 @@ def compare(
     it is, and calling again goes on where it stopped, also with more teachers.
 
     Args:
-        task: The obstacle, or an environment of your own as my_module:make_env.
+        task: The obstacle, or an environment of your own as my_module:make_env; may be left out
+            with --resume.
         out: Folder for everything the run makes.
         teachers: Names of the teachers.
         seeds: Number of independent initial networks; the preset's if not given.
         scale: smoke (minutes, shows the method at work) or paper (the paper's scale, many hours).
+        resume: Take the run in --out with its stored configuration, whatever that is.
         config: TOML or JSON file of configuration keys to change; see `surmount config`.
         set: Configuration key to change, as key=value; may be repeated; overrides the file. A
             teacher's own settings begin with teaching, such as teaching.plr.temperature=0.3.
         workers: Where stages run.
     """
     changes = overrides(config, set)
-    own = {key.removeprefix(TEACHING): changes.pop(key) for key in [*changes]
-           if key.startswith(TEACHING)}  # fmt: skip
-    teaching = override(TeachersConfig(), own)
+    own = {key: changes.pop(key) for key in [*changes] if key.startswith(TEACHING)}
+    teaching = override(_Settings(), own).teaching
+    _require_used([*own], teachers)
     if seeds is not None:
         changes["networks"] = seeds
-    chosen = override(preset(task, scale), changes)
+    chosen = override(begun_with(task, scale, out, resume=resume), changes)
     graph = comparison_graph(chosen, teachers, teaching)
     workers.check()
     refuse_other(out, chosen)
@@ -101,6 +106,24 @@ def compare(
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
     return 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Settings:
+    """Teachers' settings under the name that the command line gives them."""
+
+    teaching: TeachersConfig = field(default_factory=TeachersConfig)
+
+
+def _require_used(keys: list[str], teachers: tuple[str, ...]) -> None:
+    names = {part: name for name, part in SETTINGS.items()}
+    for key in keys:
+        teacher = names[key.removeprefix(TEACHING).partition(".")[0]]
+        if teacher not in teachers:
+            raise ConfigError(
+                f"`{key}` is a setting of {teacher}, which is not among the teachers.",
+                remedy=f"Add {teacher} to --teachers, or leave the setting out.",
+            )
 
 
 def _table(record: dict[str, Any]) -> Table:

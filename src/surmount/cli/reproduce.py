@@ -68,8 +68,7 @@ def reproduce(
     changes = overrides(config, set)
     if seeds is not None:
         changes["networks"] = seeds
-    chosen = _stored(out, obstacle) if resume else _preset(obstacle, preset)
-    chosen = override(chosen, changes)
+    chosen = override(begun_with(obstacle, preset, out, resume=resume), changes)
     workers.check()
     refuse_other(out, chosen)
     console = Console()
@@ -100,23 +99,30 @@ def reproduce(
     return 0
 
 
-def _preset(obstacle: str | None, name: str) -> ExperimentConfig:
+def begun_with(obstacle: str | None, scale: str, out: Path, *, resume: bool) -> ExperimentConfig:
+    """Return the preset of an obstacle, or the configuration of the run in a folder.
+
+    Raises
+    ------
+    ConfigError
+        If no obstacle is given to begin with, or the run is on another one.
+    OutputError
+        If a run is to be resumed and there is none.
+    """
+    if resume:
+        stored = load_config(out)
+        if obstacle not in (None, stored.obstacle):
+            raise ConfigError(
+                f"{out} holds a run on {stored.obstacle}, not on {obstacle}.",
+                remedy="Leave the obstacle out, or choose another --out folder.",
+            )
+        return stored
     if obstacle is None:
         raise ConfigError(
             "No obstacle was given.",
             remedy="Name narrow-channel, low-entrance or step, or my_module:make_env.",
         )
-    return preset(obstacle, name)
-
-
-def _stored(out: Path, obstacle: str | None) -> ExperimentConfig:
-    stored = load_config(out)
-    if obstacle not in (None, stored.obstacle):
-        raise ConfigError(
-            f"{out} holds a run on {stored.obstacle}, not on {obstacle}.",
-            remedy="Leave the obstacle out, or choose another --out folder.",
-        )
-    return stored
+    return preset(obstacle, scale)
 
 
 STOPPING = b"surmount: stopping at the next checkpoint; Ctrl-C again ends at once\n"

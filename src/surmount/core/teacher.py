@@ -4,7 +4,7 @@ A teacher gives a distribution of tasks to the environments, is told what each r
 learner brought, and says when it is finished. The learner knows teachers only through this
 protocol, and a teacher knows nothing of the learner. A training loop without environments that
 draw for themselves asks a teacher for tasks by ``sample`` and tells it of each episode by
-``update_on_episode`` (docs/adr/0070).
+``update_on_episode`` instead of ``update_on_rollout`` (docs/adr/0070).
 """
 
 from __future__ import annotations
@@ -158,7 +158,10 @@ class Teacher(Protocol):
         *,
         value_error: float | None = None,
     ) -> None:
-        """Take one episode that ended.
+        """Take one episode that ended, in a loop that knows no roll-outs.
+
+        Its decisions count as learning steps, and its return is taken to be spread evenly over
+        them. A training tells a teacher of episodes or of roll-outs, never of both.
 
         Parameters
         ----------
@@ -180,7 +183,8 @@ class Teacher(Protocol):
     def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
         """Take the outcome of a roll-out; return the level test made on it, if one was due.
 
-        Its episodes count as if each had been given to :meth:`update_on_episode`.
+        Its episodes are learnt from as if each had been given to :meth:`update_on_episode`; its
+        rewards are the learning steps.
         """
         ...
 
@@ -189,5 +193,11 @@ class Teacher(Protocol):
         ...
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from a state returned by :meth:`state_dict`."""
+        """Go on from a state returned by :meth:`state_dict`.
+
+        Raises
+        ------
+        InputError
+            If it was saved by another teacher, or under another curriculum or other tasks.
+        """
         ...

@@ -64,6 +64,7 @@ def compare_teachers(context: StageContext) -> None:
                     "name": name,
                     "title": find_teacher(name).title,
                     "source": find_teacher(name).source,
+                    "settings": context.config["settings"][name],
                     **_scores(scores, name, groups, curriculum, bootstrap),
                     **_training(context.inputs[f"training:{name}"], curriculum, cells),
                 }

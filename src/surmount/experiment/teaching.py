@@ -26,7 +26,14 @@ from surmount.experiment.task_family import task_part
 from surmount.experiment.teacher_statistics import compare_teachers
 from surmount.experiment.trial_stages import trial_stages
 from surmount.learn import Snapshot
-from surmount.teachers import AdvancementConfig, Brief, TeachersConfig, find_teacher, make_teacher
+from surmount.teachers import (
+    AdvancementConfig,
+    Brief,
+    TeachersConfig,
+    UniformTeacher,
+    find_teacher,
+    make_teacher,
+)
 
 OWN_ARMS = {"paper": "curriculum", "uniform": "control"}
 """Teachers that every experiment has, by the name of their stage."""
@@ -83,7 +90,10 @@ def comparison_graph(
         Stage(
             name=COMPARISON,
             function=compare_teachers,
-            config={"teachers": list(names)},
+            config={
+                "teachers": list(names),
+                "settings": {name: _settings(teaching, name) for name in names},
+            },
             seed=derive_seed(config.seed, config.obstacle, COMPARISON),
             inputs={"analysis": (ANALYSIS,), **roles},
         )
@@ -95,13 +105,12 @@ def _arm(
     config: ExperimentConfig, teacher: str, network: int, teaching: TeachersConfig
 ) -> list[Stage]:
     record = to_record(config)
-    own = SETTINGS.get(teacher)
     name = training_stage(teacher, network)
     part: dict[str, Any] = {
         **task_part(config),
         **{key: record[key] for key in ("learner", "checkpoint_steps", "advancement", "analysis")},
         "teacher": teacher,
-        "teaching": {} if own is None else {own: to_record(teaching)[own]},
+        "teaching": {SETTINGS[teacher]: own} if (own := _settings(teaching, teacher)) else {},
     }
     train = Stage(
         name=name,
@@ -118,8 +127,16 @@ def _arm(
     return [train, *trial_stages(config, tested, record["tests"], network, train.name)]
 
 
+def _settings(teaching: TeachersConfig, teacher: str) -> dict[str, Any]:
+    """Return a teacher's own settings; none of most."""
+    return to_record(teaching)[SETTINGS[teacher]] if teacher in SETTINGS else {}
+
+
 def learn_by_teacher(context: StageContext) -> None:
-    """Train an initial network on by a teacher, for as long as the paper's curriculum took."""
+    """Train an initial network on by a teacher, for as long as the paper's curriculum took.
+
+    A curriculum without levels took no steps: then no teacher teaches anything.
+    """
     family = stages.family_of(context)
     analysis = Analysis.load(stages.only(context, "analysis").path(stages.ANALYSIS))
     steps = int(read_record(stages.only(context, "curriculum").path(stages.TRAINING))["steps"])
@@ -141,7 +158,9 @@ def learn_by_teacher(context: StageContext) -> None:
     training = stages.train(
         context,
         family,
-        make_teacher(str(config["teacher"]), brief),
+        make_teacher(str(config["teacher"]), brief)
+        if steps
+        else UniformTeacher(brief.whole_range, 0),
         start=start,
         regions=Regions.of(analysis.curriculum),
     )

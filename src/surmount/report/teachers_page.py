@@ -24,7 +24,7 @@ from surmount.report.document import (
 from surmount.report.palette import INK, SEQUENTIAL
 from surmount.report.plots import compact, plain, plot
 from surmount.report.stills import axes_grid
-from surmount.report.text import integer, percent, percent_interval, reached, variant_label
+from surmount.report.text import counted, integer, percent, percent_interval, reached, variant_label
 from surmount.report.writing import write_document
 
 NAME = "teachers"
@@ -54,19 +54,25 @@ def document_of_teachers(record: Record) -> Document:
     teachers = record["teachers"]
     networks = len(teachers[0]["success"])
     best = max(teachers, key=lambda teacher: teacher["interquartile_mean"]["estimate"])
-    notices = ()
+    summary = (
+        f"Highest interquartile mean of success: {best['title']}, "
+        f"{percent(best['interquartile_mean']['estimate'])}."
+    )
+    steps = sum(sum(teacher["steps"]) for teacher in teachers)
+    notices: list[Notice] = []
     if networks < FEW_NETWORKS:
-        notices = (
-            Notice(
-                title="Too few networks",
-                sentences=(
-                    (
-                        f"{networks} network(s) cannot tell teachers apart: this shows that the "
-                        "comparison runs, and says nothing about who is better."
-                    ),
-                ),
-            ),
+        few = (
+            f"{counted(networks, 'network')} cannot tell teachers apart: this shows that the "
+            "comparison runs, and says nothing about who is better."
         )
+        notices.append(Notice(title="Too few networks", sentences=(few,)))
+    if steps == 0:
+        summary = "There was nothing to teach, so nothing can be said of any teacher."
+        nobody = (
+            "The paper's curriculum has no levels: it took no learning steps, and no other teacher "
+            "got any. All scores are those of the networks after the initiation."
+        )
+        notices.append(Notice(title="Nothing to compare", sentences=(nobody,)))
     blocks: tuple[Block, ...] = (
         Paragraph(
             text="Every teacher trained the same initial networks on, each for as many steps as "
@@ -82,21 +88,17 @@ def document_of_teachers(record: Record) -> Document:
     return Document(
         title="Teachers compared",
         subtitle="The paper's curriculum beside other ways of choosing tasks, at equal budgets",
-        notices=notices,
-        summary=(
-            (
-                f"Highest interquartile mean of success: {best['title']}, "
-                f"{percent(best['interquartile_mean']['estimate'])}."
-            ),
-        ),
+        notices=tuple(notices),
+        summary=(summary,),
         facts=(
             ("teachers", str(len(teachers))),
             ("networks each", str(networks)),
-            ("steps", f"{integer(sum(sum(teacher['steps']) for teacher in teachers))} in all"),
+            ("steps", f"{integer(steps)} in all"),
         ),
         sections=(
             Section(anchor="scores", title="Success", blocks=blocks),
             Section(anchor="sampled", title="What each sampled", blocks=(_sampled_figure(record),)),
+            Section(anchor="settings", title="Settings", blocks=(_settings_table(record),)),
         ),
     )
 
@@ -168,6 +170,24 @@ def _speed_table(record: Record) -> Table:
         "starts and exploration, on the tasks that the teacher chose within the group: a teacher "
         "that hardly samples a group is hardly measured on it. Networks that get there, and the "
         "median over all by Kaplan and Meier.",
+    )
+
+
+def _settings_table(record: Record) -> Table:
+    rows = [
+        (
+            teacher["title"],
+            ", ".join(f"{name} = {value}" for name, value in teacher["settings"].items())
+            or "none of its own",
+        )
+        for teacher in record["teachers"]
+    ]
+    return Table(
+        label="",
+        title="Settings of each teacher",
+        columns=(Column(heading="teacher"), Column(heading="settings")),
+        rows=tuple(rows),
+        notes=("Learner, levels and test to advance are those of the run: see its own page.",),
     )
 
 

@@ -17,6 +17,9 @@ from surmount.core.curriculum import Curriculum, Group, Level
 from surmount.core.seeds import generator
 from surmount.teachers.cells import TaskCells
 
+_DECIMALS = 9
+"""Of distances in units of the range: what differs by rounding alone is equal."""
+
 
 def stepwise(curriculum: Curriculum) -> Curriculum:
     """Return the levels without mixtures: each of its dominant group alone.
@@ -79,7 +82,9 @@ def by_parameter_distance(
     """Return as many groups by nearness in parameter space instead of behaviour.
 
     Distances are Euclidean with every parameter in units of its range; linkage, ranking by
-    success, weights and bounds are those of the paper's way.
+    success, weights and bounds are those of the paper's way. Evenly spaced variants have many equal
+    distances; among these the linkage takes the first, whatever the units. Where the groups blur
+    success so far that none is left below the threshold, the hardest has the only level.
 
     Parameters
     ----------
@@ -93,10 +98,13 @@ def by_parameter_distance(
     extent = np.ptp(variants, axis=0)
     scaled = variants / np.where(extent > 0, extent, 1.0)
     distance = np.sqrt(np.square(scaled[:, None, :] - scaled[None, :, :]).sum(axis=2))
+    distance = distance.round(_DECIMALS)
     links = build_dendrogram(distance, config.linkage).links
-    labels = hierarchy.fcluster(links, len(curriculum.groups), criterion="maxclust")
+    # Not fcluster: with equal heights it returns fewer groups than it is asked for.
+    labels = hierarchy.cut_tree(links, n_clusters=len(curriculum.groups))[:, 0]
     members, rates = rank_groups(relabelled(labels.astype(np.int64)), success_rate)
-    return _curriculum(curriculum, variants, members, rates, config)
+    made = _curriculum(curriculum, variants, members, rates, config)
+    return made if made.levels else _with_levels(made, 1, config)
 
 
 def easy_to_hard(
@@ -129,10 +137,15 @@ def easy_to_hard(
     members = [np.sort(part) for part in np.array_split(order, count) if part.size]
     rates = [float(success_rate[part].mean()) for part in members]
     made = _curriculum(curriculum, cells.variants, members, rates, config)
-    names = [group.name for group in made.groups]
+    return _with_levels(made, n_levels, config)
+
+
+def _with_levels(curriculum: Curriculum, n_levels: int, config: AnalysisConfig) -> Curriculum:
+    """Return the curriculum with levels for its hardest groups, whatever their success."""
+    names = [group.name for group in curriculum.groups]
     # The weights of eq. 4 look at places alone: succeed in the easy places, fail in the others.
     places = [float(place < len(names) - n_levels) for place in range(len(names))]
-    return replace(made, levels=build_levels(names, places, config))
+    return replace(curriculum, levels=build_levels(names, places, config))
 
 
 def _curriculum(

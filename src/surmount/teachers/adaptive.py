@@ -13,6 +13,7 @@ from surmount.core.arrays import FloatArray
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import RolloutOutcome, TeacherStatus
 from surmount.teachers.draws import Draws
+from surmount.teachers.state import belongs_to, require_same
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,14 +45,17 @@ class AdaptiveTeacher(ABC):
     ----------
     label
         Name for displays.
+    tasks
+        What it chooses among, as JSON values: saved progress belongs to them.
     total_steps
         Learning steps to train, over all environments.
     seed
         Of everything random in the teacher.
     """
 
-    def __init__(self, *, label: str, total_steps: int, seed: int) -> None:
+    def __init__(self, *, label: str, tasks: Any, total_steps: int, seed: int) -> None:
         self._label = label
+        self._chosen_among = tasks
         self._total_steps = total_steps
         self._seed = seed
         self._steps = 0
@@ -85,6 +89,7 @@ class AdaptiveTeacher(ABC):
         value_error: float | None = None,
     ) -> None:
         """Take one episode that ended; see :class:`surmount.core.teacher.Teacher`."""
+        self._steps += length
         self.take(
             EndedEpisode(
                 episode_return=float(episode_return),
@@ -104,21 +109,30 @@ class AdaptiveTeacher(ABC):
         """Take the episodes of a roll-out in the order in which they ended."""
         episodes, errors = outcome.episodes, outcome.value_errors
         for index in range(episodes.step.size):
-            self.update_on_episode(
-                float(episodes.reward[index]),
-                int(episodes.length[index]),
-                episodes.variant[index],
-                float(episodes.success[index]),
-                value_error=None if errors is None else float(errors[index]),
+            self.take(
+                EndedEpisode(
+                    episode_return=float(episodes.reward[index]),
+                    length=int(episodes.length[index]),
+                    task=episodes.variant[index],
+                    progress=float(episodes.success[index]),
+                    env_id=None,
+                    value_error=None if errors is None else float(errors[index]),
+                )
             )
         self._steps += outcome.rewards.size
 
     def state_dict(self) -> dict[str, Any]:
         """Return everything needed to go on, as JSON values."""
-        return {"steps": self._steps, "draws": self._draws.calls, **self._state()}
+        return {
+            **belongs_to(self._label, self._chosen_among),
+            "steps": self._steps,
+            "draws": self._draws.calls,
+            **self._state(),
+        }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on from a state returned by :meth:`state_dict`."""
+        require_same(state, self._label, self._chosen_among)
         self._steps = int(state["steps"])
         self._draws.calls = int(state["draws"])
         self._load(state)

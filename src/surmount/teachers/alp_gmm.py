@@ -57,7 +57,7 @@ class AlpGmmTeacher(AdaptiveTeacher):
     nearest in task space among all before it. Every N episodes, mixtures of 2 to ``max_components``
     Gaussians are fitted to the pairs of task and progress of the newest N, and the one with the
     lowest AIC is kept; a Gaussian is drawn in proportion to its mean progress, and a task from
-    its marginal.
+    its marginal. Tasks outside the range are drawn again.
 
     Parameters
     ----------
@@ -77,12 +77,14 @@ class AlpGmmTeacher(AdaptiveTeacher):
         seed: int,
         config: AlpGmmConfig,
     ) -> None:
-        super().__init__(label="ALP-GMM", total_steps=total_steps, seed=seed)
+        super().__init__(
+            label="ALP-GMM", tasks=whole_range.to_record(), total_steps=total_steps, seed=seed
+        )
         self._whole = whole_range
         self._low = whole_range.lower.min(axis=0)
         self._extent = np.maximum(whole_range.upper.max(axis=0) - self._low, 1e-12)
         self._config = config
-        self._tasks: list[list[float]] = []
+        self._tasks: FloatArray = np.empty((0, self._extent.size))
         self._returns: list[float] = []
         self._progress: list[float] = []
         self._mixture: Mixture | None = None
@@ -113,13 +115,13 @@ class AlpGmmTeacher(AdaptiveTeacher):
     def take(self, episode: EndedEpisode) -> None:
         """Compute the episode's progress, and fit anew every N episodes."""
         place = (episode.task - self._low) / self._extent
-        if self._tasks:
-            distance = np.square(np.asarray(self._tasks) - place).sum(axis=1)
+        if self._returns:
+            distance = np.square(self._tasks - place).sum(axis=1)
             before = self._returns[int(distance.argmin())]
             self._progress.append(abs(episode.episode_return - before))
         else:
             self._progress.append(0.0)
-        self._tasks.append(place.tolist())
+        self._tasks = np.concatenate([self._tasks, place[None]])
         self._returns.append(episode.episode_return)
         if len(self._returns) % self._config.fit_episodes == 0:
             self._mixture = self._fit()
@@ -127,7 +129,7 @@ class AlpGmmTeacher(AdaptiveTeacher):
     def _fit(self) -> Mixture | None:
         window = self._config.fit_episodes
         progress = np.asarray(self._progress[-window:])
-        pairs = np.column_stack([np.asarray(self._tasks[-window:]), progress])
+        pairs = np.column_stack([self._tasks[-window:], progress])
         if not (np.ptp(pairs, axis=0) > 0).all():
             return None  # nothing changes anywhere: all tasks are alike
         seed = derive_seed(self._seed, "fit", len(self._returns))
@@ -146,14 +148,14 @@ class AlpGmmTeacher(AdaptiveTeacher):
 
     def _state(self) -> dict[str, Any]:
         return {
-            "tasks": [list(task) for task in self._tasks],
+            "tasks": self._tasks.tolist(),
             "returns": list(self._returns),
             "progress": list(self._progress),
             "mixture": None if self._mixture is None else self._mixture.to_record(),
         }
 
     def _load(self, state: Mapping[str, Any]) -> None:
-        self._tasks = [[float(value) for value in task] for task in state["tasks"]]
+        self._tasks = np.asarray(state["tasks"], dtype=np.float64).reshape(-1, self._extent.size)
         self._returns = [float(value) for value in state["returns"]]
         self._progress = [float(value) for value in state["progress"]]
         mixture = state["mixture"]

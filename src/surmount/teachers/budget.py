@@ -9,6 +9,9 @@ from surmount.core.arrays import FloatArray
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import LevelTest, RolloutOutcome, TeacherStatus
 from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.state import belongs_to, require_same
+
+_NAME = "levels at a budget"
 
 
 class BudgetedLevels:
@@ -58,7 +61,8 @@ class BudgetedLevels:
         *,
         value_error: float | None = None,
     ) -> None:
-        """Hand the episode on."""
+        """Count the decisions, and hand the episode on."""
+        self._steps += length
         self._levels.update_on_episode(
             episode_return, length, task, progress, env_id, value_error=value_error
         )
@@ -70,9 +74,14 @@ class BudgetedLevels:
 
     def state_dict(self) -> dict[str, Any]:
         """Return the steps done and the state of the levels."""
-        return {"steps": self._steps, "levels": self._levels.state_dict()}
+        return {
+            **belongs_to(_NAME, None),
+            "steps": self._steps,
+            "levels": self._levels.state_dict(),
+        }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on from a saved state."""
+        require_same(state, _NAME, None)
         self._steps = int(state["steps"])
         self._levels.load_state_dict(state["levels"])

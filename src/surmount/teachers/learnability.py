@@ -40,8 +40,10 @@ class LearnabilityTeacher(AdaptiveTeacher):
     After G. Tzannetos et al., "Proximal curriculum for reinforcement learning agents" (TMLR 2023),
     and A. Rutherford et al., "No regrets: investigating and improving regret approximations for
     curriculum discovery" (NeurIPS 2024). The latter estimates p by roll-outs beside training;
-    here p is the mean success of the variant's newest training episodes, with one success and one
-    failure added, so that a variant not yet tried counts as half learnt.
+    here p is the mean success of the variant's newest training episodes. Until these fill the
+    window, one success and one failure are added, so that a variant not yet tried counts as half
+    learnt. ProCuRL draws by a softmax of p(1 − p) and the latter uniformly among the K variants
+    where it is largest; here probability is proportional to it, beside a uniform share.
 
     Parameters
     ----------
@@ -56,14 +58,25 @@ class LearnabilityTeacher(AdaptiveTeacher):
     def __init__(
         self, cells: TaskCells, *, total_steps: int, seed: int, config: LearnabilityConfig
     ) -> None:
-        super().__init__(label="learnability", total_steps=total_steps, seed=seed)
+        super().__init__(
+            label="learnability",
+            tasks=cells.variants.tolist(),
+            total_steps=total_steps,
+            seed=seed,
+        )
         self._cells = cells
         self._config = config
         self._newest: list[list[float]] = [[] for _ in range(cells.count)]
 
     def success(self) -> FloatArray:
         """Return the estimated success rate of each variant, ``(variant,)``."""
-        return np.array([(1.0 + sum(own)) / (2.0 + len(own)) for own in self._newest])
+        full = self._config.window_episodes
+        return np.array(
+            [
+                sum(own) / full if len(own) == full else (1.0 + sum(own)) / (2.0 + len(own))
+                for own in self._newest
+            ]
+        )
 
     def distribution(self) -> TaskDistribution:
         """Return shares in proportion to p(1 − p), beside the uniform share."""

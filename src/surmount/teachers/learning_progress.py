@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.tasks import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
 from surmount.teachers.cells import TaskCells
@@ -42,8 +42,9 @@ class LearningProgressTeacher(AdaptiveTeacher):
     After I. Kanitscheider et al., "Multi-task curriculum learning in a complex, visual,
     hard-exploration domain: Minecraft" (arXiv:2106.14876, 2021): two exponential averages of
     success per task, one fast and one slow, each reweighted towards low success; the progress is
-    the magnitude of their difference, so that forgetting counts as well. The publication draws by
-    a sigmoid of standardised progress; here probability is proportional to progress, beside a
+    the magnitude of their difference, so that forgetting counts as well. Both averages begin with
+    the variant's first outcome, so what always succeeds shows no progress. The publication draws
+    by a sigmoid of standardised progress; here probability is proportional to progress, beside a
     uniform share.
 
     Parameters
@@ -59,11 +60,17 @@ class LearningProgressTeacher(AdaptiveTeacher):
     def __init__(
         self, cells: TaskCells, *, total_steps: int, seed: int, config: LearningProgressConfig
     ) -> None:
-        super().__init__(label="learning progress", total_steps=total_steps, seed=seed)
+        super().__init__(
+            label="learning progress",
+            tasks=cells.variants.tolist(),
+            total_steps=total_steps,
+            seed=seed,
+        )
         self._cells = cells
         self._config = config
         self._fast: FloatArray = np.zeros(cells.count)
         self._slow: FloatArray = np.zeros(cells.count)
+        self._tried: BoolArray = np.zeros(cells.count, dtype=np.bool_)
 
     def progress(self) -> FloatArray:
         """Return the learning progress of each variant, ``(variant,)``."""
@@ -79,15 +86,24 @@ class LearningProgressTeacher(AdaptiveTeacher):
     def take(self, episode: EndedEpisode) -> None:
         """Move both averages of the episode's variant."""
         cell = self._cells.locate(episode.task)
+        if not self._tried[cell]:
+            self._tried[cell] = True
+            self._fast[cell] = self._slow[cell] = episode.progress
+            return
         self._fast[cell] += self._config.fast_rate * (episode.progress - self._fast[cell])
         self._slow[cell] += self._config.slow_rate * (episode.progress - self._slow[cell])
 
     def _state(self) -> dict[str, Any]:
-        return {"fast": self._fast.tolist(), "slow": self._slow.tolist()}
+        return {
+            "fast": self._fast.tolist(),
+            "slow": self._slow.tolist(),
+            "tried": self._tried.tolist(),
+        }
 
     def _load(self, state: Mapping[str, Any]) -> None:
         self._fast = np.asarray(state["fast"], dtype=np.float64)
         self._slow = np.asarray(state["slow"], dtype=np.float64)
+        self._tried = np.asarray(state["tried"], dtype=np.bool_)
 
 
 def _reweighted(success: FloatArray, emphasis: float) -> FloatArray:

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.errors import InputError
-from surmount.core.tasks import TaskDistribution
+from surmount.core.tasks import TaskDistribution, TaskDistributionRecord
 from surmount.core.teacher import Decision, LevelTest, RolloutOutcome, TeacherStatus
 from surmount.teachers.advancement import AdvancementConfig, gain_ratio, passes
 from surmount.teachers.draws import Draws
+from surmount.teachers.state import belongs_to, require_same
+
+_NAME = "levels"
 
 
 class LevelTeacher:
@@ -88,13 +90,18 @@ class LevelTeacher:
         *,
         value_error: float | None = None,
     ) -> None:
-        """Take an episode; none decides anything: eq. 5 sums the rewards of learning steps."""
+        """Take an episode's return as rewards of its decisions; see :attr:`tests` for tests."""
+        if length > 0:
+            self._take(np.full(length, episode_return / length))
 
     def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
         """Take the rewards of a roll-out; test the level where an iteration has ended."""
+        return self._take(outcome.rewards)
+
+    def _take(self, rewards: FloatArray) -> LevelTest | None:
         if self.finished:
             return None
-        self._collect(outcome.rewards)
+        self._collect(rewards)
         if self._iteration_steps < self._iteration_length():
             return None
         test = self._test()
@@ -110,6 +117,7 @@ class LevelTeacher:
     def state_dict(self) -> dict[str, Any]:
         """Return level, iteration, reward windows and all tests as JSON values."""
         return {
+            **belongs_to(_NAME, self._tasks()),
             "level": self._level,
             "iteration": self._iteration,
             "steps": self._steps,
@@ -119,7 +127,6 @@ class LevelTeacher:
             "head": self._head.tolist(),
             "tail": self._tail.tolist(),
             "tests": [asdict(test) for test in self._tests],
-            "levels": [level.to_record() for level in self._levels],
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
@@ -128,13 +135,9 @@ class LevelTeacher:
         Raises
         ------
         InputError
-            If the state was saved under another curriculum.
+            If the state was saved by another teacher or under another curriculum.
         """
-        if state["levels"] != [level.to_record() for level in self._levels]:
-            raise InputError(
-                "The saved progress belongs to another curriculum.",
-                remedy="Resume with the curriculum it was saved under, or start afresh.",
-            )
+        require_same(state, _NAME, self._tasks())
         self._level = int(state["level"])
         self._iteration = int(state["iteration"])
         self._steps = int(state["steps"])
@@ -144,6 +147,9 @@ class LevelTeacher:
         self._head = np.asarray(state["head"], dtype=np.float64)
         self._tail = np.asarray(state["tail"], dtype=np.float64)
         self._tests = [LevelTest(**test) for test in state["tests"]]
+
+    def _tasks(self) -> list[TaskDistributionRecord]:
+        return [level.to_record() for level in self._levels]
 
     def _begin_iteration(self) -> None:
         self._iteration_steps = 0

@@ -14,16 +14,21 @@ from surmount.core.tasks import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
 from surmount.teachers.cells import TaskCells
 
+DEMOTED_BELOW = 0.5
+"""Share of the way below which a learner is moved down (Rudin et al. 2021)."""
+
 
 class PromotionTeacher(AdaptiveTeacher):
     """Moves a population of learners over rows of variants: up on success, down on failure.
 
     After N. Rudin et al., "Learning to walk in minutes using massively parallel deep reinforcement
     learning" (CoRL 2021): terrain in rows of rising difficulty; a robot that solves its row is
-    moved up, one that does not is moved down, one that solves the last row starts anew on a random
-    one. There each robot owns its row. Here environments draw from one distribution, so the
-    population is kept as a number of learners per row, and a finished episode moves one learner
-    of its row; as all robots share one policy, which of them stands where makes no difference.
+    moved up, one that gets less than half of the way is moved down, one that solves the last row
+    starts anew on a random one. Where an episode tells success alone there is nothing between, so
+    every failure moves down. All begin on the easiest row. There each robot owns its row. Here
+    environments draw from one distribution, so the population is kept as a number of learners per
+    row, and a finished episode moves one learner of its row; as all robots share one policy, which
+    of them stands where makes no difference.
 
     Parameters
     ----------
@@ -46,7 +51,12 @@ class PromotionTeacher(AdaptiveTeacher):
         total_steps: int,
         seed: int,
     ) -> None:
-        super().__init__(label="promote and demote", total_steps=total_steps, seed=seed)
+        super().__init__(
+            label="promote and demote",
+            tasks=cells.variants.tolist(),
+            total_steps=total_steps,
+            seed=seed,
+        )
         if learners < 1:
             raise ConfigError(f"`learners` is {learners}.", remedy="Give at least 1.")
         self._cells = cells
@@ -69,8 +79,8 @@ class PromotionTeacher(AdaptiveTeacher):
     def take(self, episode: EndedEpisode) -> None:
         """Move one learner of the episode's row, if one still stands there."""
         row = int(self._rank[self._cells.locate(episode.task)])
-        if self._rows[row] == 0:
-            return  # drawn before the last of them left
+        if self._rows[row] == 0 or DEMOTED_BELOW <= episode.progress < 1.0:
+            return  # drawn before the last of them left, or neither solved nor failed
         self._rows[row] -= 1
         if episode.progress < 1.0:
             self._rows[max(row - 1, 0)] += 1

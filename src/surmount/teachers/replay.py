@@ -58,7 +58,12 @@ class ReplayTeacher(AdaptiveTeacher):
     def __init__(
         self, cells: TaskCells, *, total_steps: int, seed: int, config: ReplayConfig
     ) -> None:
-        super().__init__(label="prioritised level replay", total_steps=total_steps, seed=seed)
+        super().__init__(
+            label="prioritised level replay",
+            tasks=cells.variants.tolist(),
+            total_steps=total_steps,
+            seed=seed,
+        )
         self._cells = cells
         self._config = config
         self._episodes = 0

@@ -60,6 +60,11 @@ class SelfPacedTeacher(AdaptiveTeacher):
     newest episodes, stays above V_LB and KL(p ‖ p_before) below ε; where performance is below
     V_LB, raise it within ε instead. Performance is success here, and covariances are diagonal.
 
+    Tasks are drawn from the Gaussian cut off at the range, while weights and divergences are those
+    of the whole Gaussian, and every episode counts as drawn from the newest one. The target is a
+    Gaussian too, so the ends of the range are practised less than its middle even at the end. Where
+    no episode succeeds the Gaussian stays: no direction is better.
+
     Parameters
     ----------
     whole_range
@@ -82,7 +87,12 @@ class SelfPacedTeacher(AdaptiveTeacher):
         seed: int,
         config: SelfPacedConfig,
     ) -> None:
-        super().__init__(label="self-paced", total_steps=total_steps, seed=seed)
+        super().__init__(
+            label="self-paced",
+            tasks=[whole_range.to_record(), begin.to_record()],
+            total_steps=total_steps,
+            seed=seed,
+        )
         self._config = config
         self._parameters = whole_range.parameters
         self._low = whole_range.lower.min(axis=0)

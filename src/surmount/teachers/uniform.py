@@ -9,6 +9,9 @@ from surmount.core.arrays import FloatArray
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import RolloutOutcome, TeacherStatus
 from surmount.teachers.draws import Draws
+from surmount.teachers.state import belongs_to, require_same
+
+_NAME = "one distribution"
 
 
 class UniformTeacher:
@@ -68,7 +71,8 @@ class UniformTeacher:
         *,
         value_error: float | None = None,
     ) -> None:
-        """Take an episode; none changes anything."""
+        """Count the decisions."""
+        self._steps += length
 
     def update_on_rollout(self, outcome: RolloutOutcome) -> None:
         """Count the steps."""
@@ -76,9 +80,14 @@ class UniformTeacher:
 
     def state_dict(self) -> dict[str, Any]:
         """Return the steps done and the draws made by hand."""
-        return {"steps": self._steps, "draws": self._draws.calls}
+        return {
+            **belongs_to(_NAME, self._distribution.to_record()),
+            "steps": self._steps,
+            "draws": self._draws.calls,
+        }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on from the steps done."""
+        require_same(state, _NAME, self._distribution.to_record())
         self._steps = int(state["steps"])
         self._draws.calls = int(state.get("draws", 0))
