@@ -1,4 +1,6 @@
-"""Gymnasium's half cheetah up a slope: a MuJoCo locomotion task over a geometric parameter.
+"""Gymnasium's half cheetah up a slope: a MuJoCo locomotion task over the slope's angle.
+
+The slope is made by tilting gravity over a flat floor; no geometry changes.
 
 surmount check uphill_cheetah:make_env
 surmount reproduce uphill_cheetah:make_env --preset smoke --out runs/cheetah

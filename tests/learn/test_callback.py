@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 from own_point import PointEnv, make_env
 from stable_baselines3 import PPO, SAC
-from stable_baselines3.common.logger import KVWriter, Logger
+from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
 from surmount.core.regions import Regions
+from surmount.core.task_space import TaskSpace
 from surmount.core.tasks import TaskDistribution
 from surmount.learn import TeacherCallback
+from surmount.learn.curriculum_log import MOST_REGIONS, variant_regions
 from surmount.learn.loggers import WRITERS, training_logger
 from surmount.teachers import (
     AdvancementConfig,
+    AlpGmmConfig,
+    AlpGmmTeacher,
     LevelTeacher,
     ReplayConfig,
     ReplayTeacher,
@@ -57,11 +63,15 @@ class Lines(KVWriter):
         pass
 
 
-def learn(callback, *, steps=2_000, normalised=False, model=PPO, **options):
+def learner_of(*, normalised=False, model=PPO, **options):
     env = DummyVecEnv([make_env, make_env])
     if normalised:
         env = VecNormalize(env)
-    learner = model("MlpPolicy", env, seed=0, device="cpu", **options)
+    return model("MlpPolicy", env, seed=0, device="cpu", **options)
+
+
+def learn(callback, *, steps=2_000, **options):
+    learner = learner_of(**options)
     lines = Lines()
     learner.set_logger(Logger(None, [lines]))
     learner.learn(steps, callback=callback)
@@ -79,7 +89,8 @@ def test_levels_are_pushed_from_the_first_episode_on_and_training_ends_with_the_
     assert (tasks[1][begun_before:, 0] >= 1.5).all()
     assert all(test.decision.startswith("advance") for test in callback.tests)
     assert [test.level for test in callback.tests] == [0, 1]
-    assert lines[0]["curriculum/level"] == 1
+    assert lines[0]["curriculum/tested_level"] == 1
+    assert lines[0]["curriculum/level"] == 2  # what environments draw from now
     assert lines[0]["curriculum/weight/far"] == 1.0
     assert lines[0]["curriculum/weight/near"] == 0.0
     assert lines[0]["curriculum/success/near"] == pytest.approx(
@@ -121,6 +132,99 @@ def test_learners_without_rollouts_update_the_teacher_now_and_then():
     assert 60 <= teacher.outcomes[0].rewards.size < 70
     assert teacher.outcomes[0].value_errors is None
     assert callback.tests
+
+
+def test_the_level_in_force_is_logged_after_every_rollout():
+    longer = AdvancementConfig(**{**vars(CONFIG), "iteration_steps": 256})
+    lines = learn(TeacherCallback(LevelTeacher([NEAR, FAR], longer)), n_steps=64, batch_size=64)
+    tests = [line.get("curriculum/tested_level") for line in lines[:4]]
+    assert tests == [None, 1, None, 2]  # of two roll-outs each
+    levels = [line.get("curriculum/level") for line in lines[:4]]
+    assert levels == [1, 2, 2, None]  # after the last level none is in force
+
+
+def test_a_teacher_without_levels_logs_none():
+    lines = learn(TeacherCallback(UniformTeacher(NEAR, 128)), n_steps=64, batch_size=64)
+    assert "curriculum/level" not in lines[0]
+
+
+def test_without_regions_each_variant_is_told_apart():
+    teacher = AlpGmmTeacher(
+        make_env().space.whole_range, total_steps=128, seed=0, config=AlpGmmConfig()
+    )
+    callback = TeacherCallback(teacher)
+    lines = learn(callback, n_steps=32, batch_size=64)
+    weights = {key: line for key, line in lines[0].items() if key.startswith("curriculum/weight/")}
+    assert weights.keys() == {
+        f"curriculum/weight/{distance:g}, {wind:g}"
+        for distance in (0.5, 1.0, 1.5, 2.0)
+        for wind in (0.0, 1.0, 2.0)
+    }
+    assert sum(weights.values()) == pytest.approx(1.0)  # the cells tile the range
+    assert any(key.startswith("curriculum/success/") for key in lines[0])
+
+
+def test_a_uniform_teacher_weighs_variants_by_their_cells():
+    space = TaskSpace.grid(slope_deg=[0.0, 10.0, 40.0])
+    regions = variant_regions(space)
+    assert regions.names == ("0", "10", "40")
+    shares = regions.shares(space.whole_range)
+    assert shares.tolist() == pytest.approx([5 / 40, 20 / 40, 15 / 40])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"slope_deg": range(MOST_REGIONS + 1)},
+        {"slope_deg": [1.0, 1.0 + 1e-9]},
+        {name: [0.123456, 0.234567] for name in "abcd"},
+    ],
+)
+def test_variants_whose_names_would_not_tell_them_apart_are_not_logged(values):
+    assert variant_regions(TaskSpace.grid(**values)) is None
+
+
+def test_the_names_of_variants_fit_the_table_of_stable_baselines():
+    regions = variant_regions(TaskSpace.grid(**{name: [0.001, 0.002] for name in "abc"}))
+    table = io.StringIO()
+    logger = Logger(None, [HumanOutputFormat(table)])
+    for name in regions.names:
+        logger.record(f"curriculum/success/{name}", 1.0)
+    logger.dump()
+    assert all(f"success/{name} |" in table.getvalue() for name in regions.names)
+
+
+@pytest.mark.parametrize(
+    "teacher", [LevelTeacher([], CONFIG), UniformTeacher(NEAR, 0)], ids=["levels", "steps"]
+)
+def test_a_teacher_with_nothing_to_teach_is_refused(teacher):
+    with pytest.raises(ConfigError, match="nothing to learn") as caught:
+        learn(TeacherCallback(teacher), n_steps=64, batch_size=64)
+    assert "without the callback" in caught.value.remedy
+
+
+def test_a_teacher_that_has_finished_is_refused():
+    callback = TeacherCallback(UniformTeacher(NEAR, 128))
+    learn(callback, n_steps=64, batch_size=64)
+    with pytest.raises(ConfigError, match="finished already, after 128 steps"):
+        learn(callback, n_steps=64, batch_size=64)
+
+
+def test_the_first_transition_stored_is_of_a_pushed_task_under_normalisation():
+    learner = learner_of(model=SAC, normalised=True, learning_starts=500, buffer_size=500)
+    learner.learn(20, callback=TeacherCallback(UniformTeacher(FAR, 500)))
+    distances = learner.replay_buffer.observations[0].sum(axis=1)  # position + what is left
+    assert ((distances >= 1.5) & (distances <= 2.0)).all()
+
+
+def test_episodes_that_are_begun_again_are_marked_as_begun():
+    learner = learner_of(n_steps=5, batch_size=10)
+    learner.learn(10)
+    assert not learner._last_episode_starts.any()  # in the middle of episodes of 12 decisions
+    learner.learn(
+        10, callback=TeacherCallback(UniformTeacher(NEAR, 500)), reset_num_timesteps=False
+    )
+    assert learner.rollout_buffer.episode_starts[0].tolist() == [1.0, 1.0]
 
 
 def test_saved_progress_is_gone_on_with(tmp_path):

@@ -117,7 +117,7 @@ def test_levels_at_a_budget_go_on_with_the_last_level_or_are_cut_off():
     tasks = train(teacher, ToyLearner(0), 100)
     assert len(tasks) == 10
     assert [part.min() > 0.6 for part in tasks] == [False] + [True] * 9
-    assert teacher.status().label == "after the last level"
+    assert (teacher.status().label, teacher.status().level) == ("after the last level", 2)
     cut = train(make_teacher("stepwise", toy_brief(total_steps=2_000)), ToyLearner(0), 100)
     assert len(cut) == 10
     assert max(part.max() for part in cut) < 0.7  # never left its first level

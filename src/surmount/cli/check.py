@@ -16,7 +16,8 @@ def check(environment: Annotated[str, tyro.conf.Positional], *, seed: int = 0) -
     """Verify the contract of an environment before hours are spent on it.
 
     Runs episodes of random actions: the task must change what happens, success must be told,
-    features must be finite and vary, seeds must matter and repeat (docs/own-environment.md).
+    features must be finite and vary, seeds must matter and repeat, episodes must have a time
+    limit (docs/own-environment.md). Notes name what holds and is worth a look.
 
     Args:
         environment: The function that makes it, as my_module:make_env.
@@ -27,6 +28,8 @@ def check(environment: Annotated[str, tyro.conf.Positional], *, seed: int = 0) -
         print(f"{'holds ' if finding.holds else 'BROKEN'}  {finding.clause}: {finding.sentence}")
         if not finding.holds:
             print(f"        {finding.remedy}")
+        if finding.note:
+            print(f"        Note: {finding.note}")
     broken = sum(not finding.holds for finding in findings)
     if broken:
         print(f"{broken} of {len(findings)} clauses broken.")

@@ -28,6 +28,7 @@ from surmount.experiment import (
     begin,
     load_config,
     preset,
+    protocol,
     refuse_other,
     run,
 )
@@ -69,6 +70,7 @@ def reproduce(
     if seeds is not None:
         changes["networks"] = seeds
     chosen = override(begun_with(obstacle, preset, out, resume=resume), changes)
+    graph = protocol(chosen)
     workers.check()
     refuse_other(out, chosen)
     console = Console()
@@ -84,6 +86,7 @@ def reproduce(
                         executor,
                         display,
                         on_ready=on_ready,
+                        stages=graph,
                         url=workers.store,
                         retries=workers.retries,
                     )

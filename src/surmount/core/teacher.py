@@ -117,11 +117,14 @@ class TeacherStatus:
         For example ``"level 1 of 3, extension 2"``.
     steps, planned_steps
         Learning steps done, and planned as far as known; extensions are added when decided.
+    level
+        Level in force, counted from 1; ``None`` where there is none.
     """
 
     label: str
     steps: int
     planned_steps: int
+    level: int | None = None
 
 
 class Teacher(Protocol):

@@ -16,7 +16,15 @@ from surmount.envs import EnvConfig, ObstacleVectorEnv, find_obstacle
 from surmount.envs.scene import model_hash
 from surmount.experiment.config import ExperimentConfig
 from surmount.learn import TaskVectorEnv
-from surmount.own import TaskBatch, is_own, load_make_env, source_hash
+from surmount.own import (
+    TaskBatch,
+    TaskEnv,
+    is_own,
+    load_make_env,
+    make_task_env,
+    source_hash,
+    time_limit,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +92,8 @@ def own_family(name: str, sha256: str) -> TaskFamily:
     ------
     ConfigError
         If the file has changed since, or there is no time limit.
+    InputError
+        If the function needs arguments, fails, or returns no :class:`surmount.own.TaskEnv`.
     """
     make_env = load_make_env(name)
     if source_hash(name) != sha256:
@@ -91,22 +101,19 @@ def own_family(name: str, sha256: str) -> TaskFamily:
             f"The file of `{name}` has changed since this run began.",
             remedy="Choose another --out folder: results of two versions must not be mixed.",
         )
-    env = make_env()
-    space, decision_s = env.space, env.decision_s
-    limit = env.spec.max_episode_steps if env.spec is not None else None
+
+    def made() -> TaskEnv:
+        return make_task_env(make_env)
+
+    env = made()
+    space, cap_s = env.space, time_limit(env) * env.decision_s
     env.close()
-    if limit is None:
-        raise ConfigError(
-            f"`{name}` has no time limit.",
-            remedy="Give `max_episode_steps` to gymnasium.make, or register the environment with "
-            "it.",
-        )
     return TaskFamily(
         whole_range=space.whole_range,
         variants=space.variants,
-        training_env=lambda num_envs: TaskBatch(make_env, num_envs),
-        trial_env=lambda num_envs: TaskBatch(make_env, num_envs, autoreset=False),
-        cap_s=limit * decision_s,
+        training_env=lambda num_envs: TaskBatch(made, num_envs),
+        trial_env=lambda num_envs: TaskBatch(made, num_envs, autoreset=False),
+        cap_s=cap_s,
         harder=space.harder,
     )
 

@@ -11,11 +11,12 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
 from surmount.core.arrays import FloatArray
-from surmount.core.errors import InputError
+from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record, write_record
 from surmount.core.regions import Regions
+from surmount.core.task_space import TaskSpace
 from surmount.core.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
-from surmount.learn.curriculum_log import log_curriculum
+from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.value_errors import EpisodeErrors
 
 
@@ -31,12 +32,21 @@ class TeacherCallback(BaseCallback):
     teacher
         The teacher.
     regions
-        Groups whose weight and success are logged.
+        Parts of the space of tasks whose weight and success are logged, such as the groups of a
+        curriculum; by default the variants of :class:`surmount.own.TaskEnv`, up to
+        :data:`surmount.learn.curriculum_log.MOST_REGIONS` of them.
     update_steps
         Learning steps between two updates of the teacher with learners without roll-outs, such as
         SAC; the others update it after every roll-out.
     verbose
         1 prints the sentence of every level test.
+
+    Raises
+    ------
+    ConfigError
+        From ``learn``, if the teacher is finished before training begins.
+    InputError
+        From ``learn``, if the environments take no distribution or do not say what came of it.
     """
 
     def __init__(
@@ -63,15 +73,21 @@ class TeacherCallback(BaseCallback):
         self.teacher.load_state_dict(read_record(Path(path)))
 
     def _on_training_start(self) -> None:
-        env = self._env()
+        env = self.training_env
+        self._require_a_beginning()
+        self._logged = self._regions or _regions_of(env)
         self._errors = EpisodeErrors(env.num_envs)
         self._episode_reward = np.zeros(env.num_envs)
         self._episode_length = np.zeros(env.num_envs, dtype=np.int64)
         self._forget()
         self._push()
         # `learn` has begun episodes before it told anyone: begin them again, on tasks as pushed.
-        model = cast("Any", self.model)
-        model._last_obs = model.env.reset()  # noqa: SLF001 - what `learn` itself does
+        model = cast("Any", self.model)  # what `learn` itself sets
+        model._last_obs = env.reset()  # noqa: SLF001
+        model._last_episode_starts = np.ones(env.num_envs, dtype=np.bool_)  # noqa: SLF001
+        normaliser = self.model.get_vec_normalize_env()
+        if normaliser is not None:
+            model._last_original_obs = normaliser.get_original_obs()  # noqa: SLF001
 
     def _on_step(self) -> bool:
         normaliser = self.model.get_vec_normalize_env()
@@ -109,24 +125,33 @@ class TeacherCallback(BaseCallback):
             distribution=None if self.teacher.finished else self.teacher.distribution(),
             outcome=outcome,
             test=test,
-            regions=self._regions,
+            regions=self._logged,
+            level=self.teacher.status().level,
         )
         self._push()
 
-    def _push(self) -> None:
+    def _require_a_beginning(self) -> None:
         if self.teacher.finished:
-            return
-        try:
-            self._env().env_method("set_task_distribution", self.teacher.distribution())
-        except AttributeError as error:
+            steps = self.teacher.status().steps
+            raise ConfigError(
+                f"The teacher is finished already, after {steps:,} steps."
+                if steps
+                else "There is nothing to learn: the teacher's curriculum has no levels, or its "
+                "steps are 0.",
+                remedy="Train without the callback, or give it another teacher, such as "
+                "`surmount.teachers.UniformTeacher`.",
+            )
+        if not self.training_env.has_attr("set_task_distribution"):
             raise InputError(
                 "The environments take no task distribution.",
                 remedy="Wrap each in `surmount.own.TaskEnv` before it goes into the vector "
                 "environment.",
-            ) from error
+            )
 
-    def _env(self) -> VecEnv:
-        return self.training_env
+    def _push(self) -> None:
+        if not self.teacher.finished:
+            distribution = self.teacher.distribution()
+            self.training_env.env_method("set_task_distribution", distribution)
 
     def _end_episode(self, env: int, info: dict[str, Any]) -> None:
         for key in ("variant", "is_success"):
@@ -171,3 +196,8 @@ class TeacherCallback(BaseCallback):
     def _forget(self) -> None:
         self._rewards: list[FloatArray] = []
         self._rows: list[dict[str, Any]] = []
+
+
+def _regions_of(env: VecEnv) -> Regions | None:
+    space = env.get_attr("space", [0])[0] if env.has_attr("space") else None
+    return variant_regions(space) if isinstance(space, TaskSpace) else None

@@ -1,26 +1,37 @@
 """What a teacher does, written to Stable-Baselines3's logger.
 
-======================================  ======================================================
-key                                     value
-======================================  ======================================================
-``curriculum/level``                    level just tested, from 1
-``curriculum/weight/<group>``           probability of the group in what is pushed
-``curriculum/success/<group>``          success of the group's episodes in the roll-out
-``curriculum/rF``, ``rL``               reward over the first and the last W steps (eq. 5)
-``curriculum/first_gain``               rL − rF of the level's first iteration
-``curriculum/newest_gain``              rL − rF of the newest iteration
-``curriculum/eq5_ratio``, ``threshold``  newest gain / first gain, and what it must fall below
-``curriculum/advanced``                 1 where the level was left, 0 where it was extended
-======================================  ======================================================
+========================================  ====================================================
+key                                       value
+========================================  ====================================================
+``curriculum/level``                      level in force, from 1, of teachers that have levels
+``curriculum/weight/<region>``            probability of the region in what is pushed
+``curriculum/success/<region>``           success of the region's episodes in the roll-out
+``curriculum/tested_level``               level just tested, from 1
+``curriculum/rF``, ``rL``                 reward over the first and the last W steps (eq. 5)
+``curriculum/first_gain``                 rL − rF of the level's first iteration
+``curriculum/newest_gain``                rL − rF of the newest iteration
+``curriculum/eq5_ratio``, ``threshold``   newest gain / first gain, and what it must fall below
+``curriculum/advanced``                   1 where the level was left, 0 where it was extended
+========================================  ====================================================
+
+Level and weights are those of the roll-out to come, success is that of the roll-out just done; the
+keys from ``tested_level`` on are written where a level was tested.
 """
 
 from __future__ import annotations
 
 from stable_baselines3.common.logger import Logger
 
+from surmount.analysis.cells import cells
 from surmount.core.regions import Regions, success_by_region
+from surmount.core.task_space import TaskSpace
 from surmount.core.tasks import TaskDistribution
 from surmount.core.teacher import LevelTest, RolloutOutcome
+
+MOST_REGIONS = 24
+"""Variants beyond which each having a curve of its own would hide the others."""
+LONGEST_NAME = 25
+"""Characters of a name that Stable-Baselines3's table of 36 columns can show."""
 
 
 def log_curriculum(
@@ -30,6 +41,7 @@ def log_curriculum(
     outcome: RolloutOutcome,
     test: LevelTest | None,
     regions: Regions | None,
+    level: int | None,
 ) -> None:
     """Record one roll-out.
 
@@ -44,7 +56,9 @@ def log_curriculum(
     test
         The level test made on it, if one was due.
     regions
-        Groups to tell apart; without, only level tests are recorded.
+        Parts of the space of tasks to tell apart; without, weights and success are not recorded.
+    level
+        Level in force from now on, from 1; ``None`` where there is none.
     """
     if regions is not None:
         rates = success_by_region(regions, outcome.episodes.variant, outcome.episodes.success)
@@ -54,8 +68,10 @@ def log_curriculum(
         if distribution is not None:
             for name, share in zip(regions.names, regions.shares(distribution), strict=True):
                 logger.record(f"curriculum/weight/{name}", float(share))
+    if level is not None:
+        logger.record("curriculum/level", level)
     if test is not None:
-        logger.record("curriculum/level", test.level + 1)
+        logger.record("curriculum/tested_level", test.level + 1)
         logger.record("curriculum/rF", test.first_window)
         logger.record("curriculum/rL", test.last_window)
         logger.record("curriculum/first_gain", test.first_gain)
@@ -64,3 +80,17 @@ def log_curriculum(
         logger.record("curriculum/advanced", int(test.decision != "extend"))
         if test.ratio is not None:
             logger.record("curriculum/eq5_ratio", test.ratio)
+
+
+def variant_regions(space: TaskSpace) -> Regions | None:
+    """Return one region per variant, named by its values.
+
+    ``None`` where there are more variants than :data:`MOST_REGIONS`, or their names are longer
+    than :data:`LONGEST_NAME` or alike.
+    """
+    names = tuple(", ".join(f"{value:g}" for value in variant) for variant in space.variants)
+    unclear = len(set(names)) < len(names) or max(map(len, names)) > LONGEST_NAME
+    if unclear or len(names) > MOST_REGIONS:
+        return None
+    lower, upper = cells(space.variants)
+    return Regions(names=names, lower=tuple(lower[:, None]), upper=tuple(upper[:, None]))

@@ -222,6 +222,7 @@ class Trainer:
             outcome=outcome,
             test=test,
             regions=self._regions,
+            level=status.level,
         )
         if test is not None:
             self._tests.append(test)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import gymnasium
@@ -11,10 +12,10 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import SurmountError
 from surmount.core.tasks import TaskDistribution
-from surmount.own.task_env import TaskEnv
+from surmount.own.making import cause, make_task_env, time_limit
+from surmount.own.probing import LONGEST_EPISODE, Episode, episode_of, raw_observation, same
+from surmount.own.task_env import TaskEnv, UntoldSuccessError
 
-LONGEST_EPISODE = 20_000
-"""Decisions after which an episode counts as without end."""
 EPISODES = 3
 """Episodes of random actions per variant that is tried."""
 TRIED = 5
@@ -35,42 +36,15 @@ class Finding:
         What was seen.
     remedy
         What to do where it does not hold, else empty.
+    note
+        What is worth a look although it holds, else empty.
     """
 
     clause: str
     holds: bool
     sentence: str
     remedy: str = ""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Episode:
-    """An episode of random actions.
-
-    Attributes
-    ----------
-    observations
-        As the wrapped environment returned them, without an appended task, shape
-        ``(decision + 1, observation)``.
-    rewards, features
-        Shapes ``(decision,)`` and ``(decision + 1, feature)``.
-    variant
-        The task that the infos told.
-    ended
-        Whether it came to an end.
-    raw_infos
-        Keys of ``info`` at its end.
-    is_success
-        What the infos told at its end.
-    """
-
-    observations: FloatArray
-    rewards: FloatArray
-    features: FloatArray
-    variant: FloatArray
-    ended: bool
-    raw_infos: frozenset[str]
-    is_success: bool
+    note: str = ""
 
 
 def check_contract(make_env: Callable[[], object], *, seed: int = 0) -> list[Finding]:
@@ -90,11 +64,25 @@ def check_contract(make_env: Callable[[], object], *, seed: int = 0) -> list[Fin
         checked because an earlier one fails is left out.
     """
     findings: list[Finding] = []
-    for finding in _clauses(make_env, seed):
-        findings.append(finding)
-        if not finding.holds and finding.clause in _FATAL:
-            break
-    return findings
+    try:
+        for finding in _clauses(make_env, seed):
+            findings.append(finding)
+            if not finding.holds and finding.clause in _FATAL:
+                return findings
+    except UntoldSuccessError as error:
+        stopped = _broken("success is told", error)
+    except SurmountError as error:
+        stopped = _broken("episodes run", error)
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it is told
+        stopped = Finding(
+            clause="episodes run",
+            holds=False,
+            sentence=cause(error),
+            remedy="Correct what it says; reset and step must not fail.",
+        )
+    else:
+        return findings
+    return [finding for finding in findings if finding.clause != stopped.clause] + [stopped]
 
 
 _FATAL = ("it can be made", "episodes run", "episodes end")
@@ -102,83 +90,44 @@ _FATAL = ("it can be made", "episodes run", "episodes end")
 
 def _clauses(make_env: Callable[[], object], seed: int) -> Iterator[Finding]:
     try:
-        env = make_env()
-    except Exception as error:  # noqa: BLE001 - whatever it is, it is told
-        yield _failed("it can be made", error, "Let the function run by itself first.")
-        return
-    if not isinstance(env, TaskEnv):
-        yield Finding(
-            clause="it can be made",
-            holds=False,
-            sentence=f"The function returned {type(env).__name__}, not a TaskEnv.",
-            remedy="Return surmount.own.TaskEnv(env, space=…, set_task=…, success=…, features=…).",
-        )
+        env = make_task_env(make_env)
+    except SurmountError as error:
+        yield _broken("it can be made", error)
         return
     yield Finding(clause="it can be made", holds=True, sentence=f"{env.env}")
     yield _boxes(env)
+    try:
+        longest = min(time_limit(env), LONGEST_EPISODE)
+    except SurmountError as error:
+        yield _broken("episodes end", error)
+        return
     variants = env.space.variants
     tried = variants[np.unique(np.linspace(0, len(variants) - 1, TRIED).round().astype(int))]
-    try:
-        episodes = [
-            episode_of(env, task, seed + repeat) for task in tried for repeat in range(EPISODES)
-        ]
-    except SurmountError as error:
-        yield Finding(
-            clause="episodes run", holds=False, sentence=error.message, remedy=error.remedy
-        )
-        return
-    except Exception as error:  # noqa: BLE001 - whatever it is, it is told
-        yield _failed("episodes run", error, "Correct what it says; reset and step must not fail.")
-        return
+    episodes: list[Episode] = []
+    for task, repeat in itertools.product(tried, range(EPISODES)):
+        episodes.append(episode_of(env, task, seed + repeat, longest))
+        if not episodes[-1].ended:
+            break
     yield Finding(
         clause="episodes run",
         holds=True,
-        sentence=f"{len(episodes)} episodes on {len(tried)} variants, "
-        f"{sum(episode.rewards.size for episode in episodes)} decisions",
+        sentence=f"{sum(episode.rewards.size for episode in episodes)} decisions, on "
+        f"{len({episode.variant.tobytes() for episode in episodes})} of {len(variants)} variants",
     )
     yield _ends(episodes)
     yield _finite(env, episodes)
     yield from _features(env, episodes)
-    yield _success(env, episodes)
-    yield from _task_matters(env, seed)
+    yield _success(episodes)
+    for index in range(len(env.space.parameters)):
+        yield _task_matters(env, index, seed)
     yield _repeats(env, tried[-1], seed)
     yield _seeds_matter(env, tried[-1], seed)
     yield _distribution_holds(env, seed)
     env.close()
 
 
-def episode_of(env: TaskEnv, task: FloatArray, seed: int) -> Episode:
-    """Run one episode of random actions on a task; the actions depend on the seed alone."""
-    space = env.action_space
-    space.seed(seed)
-    _, info = env.reset(seed=seed, options={"variant": task})
-    observations, rewards, features = [_raw(env)], [], [info["features"]]
-    ended = False
-    while not ended and len(rewards) < LONGEST_EPISODE:
-        _, reward, terminated, truncated, info = env.step(space.sample())
-        observations.append(_raw(env))
-        rewards.append(float(reward))
-        features.append(info["features"])
-        ended = terminated or truncated
-    return Episode(
-        observations=np.array(observations),
-        rewards=np.array(rewards),
-        features=np.array(features),
-        variant=np.asarray(info["variant"], dtype=np.float64),
-        ended=ended,
-        raw_infos=frozenset(info),
-        is_success=bool(info["is_success"]),
-    )
-
-
-def _raw(env: TaskEnv) -> FloatArray:
-    return np.asarray(env.last_observation, dtype=np.float64).ravel()
-
-
-def _failed(clause: str, error: Exception, remedy: str) -> Finding:
-    return Finding(
-        clause=clause, holds=False, sentence=f"{type(error).__name__}: {error}", remedy=remedy
-    )
+def _broken(clause: str, error: SurmountError) -> Finding:
+    return Finding(clause=clause, holds=False, sentence=error.message, remedy=error.remedy)
 
 
 def _boxes(env: TaskEnv) -> Finding:
@@ -194,11 +143,15 @@ def _boxes(env: TaskEnv) -> Finding:
 
 def _ends(episodes: list[Episode]) -> Finding:
     longest = max(episode.rewards.size for episode in episodes)
+    ended = all(episode.ended for episode in episodes)
     return Finding(
         clause="episodes end",
-        holds=all(episode.ended for episode in episodes),
-        sentence=f"the longest took {longest} decisions",
-        remedy="Wrap the environment in gymnasium.wrappers.TimeLimit.",
+        holds=ended,
+        sentence=f"the longest took {longest} decisions"
+        if ended
+        else f"one had not ended after {longest} decisions",
+        remedy="Wrap the environment in gymnasium.wrappers.TimeLimit, with fewer decisions where "
+        "it has one.",
     )
 
 
@@ -230,66 +183,98 @@ def _features(env: TaskEnv, episodes: list[Episode]) -> Iterator[Finding]:
     )
     constant = [name for name, span in zip(names, np.ptp(values, axis=0), strict=True)
                 if span == 0]  # fmt: skip
+    task_alone = [f"`{name}`" for name in _task_alone(names, episodes) if name not in constant]
     yield Finding(
         clause="features vary",
         holds=not constant,
         sentence=f"constant: {', '.join(constant)}" if constant else "each over the episodes",
         remedy="Take features that behaviour changes, and leave constant ones out.",
+        note=f"One value on each variant: {', '.join(task_alone)}. It tells the task, not how it "
+        "is done; leave it out."
+        if task_alone
+        else "",
     )
 
 
-def _success(env: TaskEnv, episodes: list[Episode]) -> Finding:
-    key = env.success_key
+def _task_alone(names: Sequence[str], episodes: list[Episode]) -> list[str]:
+    """Return the features that have one value on each variant, at every moment."""
+    of_variant: dict[bytes, list[FloatArray]] = {}
+    for episode in episodes:
+        of_variant.setdefault(episode.variant.tobytes(), []).append(episode.features)
+    spans = [np.ptp(np.concatenate(features), axis=0) for features in of_variant.values()]
+    return [name for name, span in zip(names, np.max(spans, axis=0), strict=True) if span == 0]
+
+
+def _success(episodes: list[Episode]) -> Finding:
     rate = float(np.mean([episode.is_success for episode in episodes]))
-    if key is not None and not all(key in episode.raw_infos for episode in episodes):
-        return Finding(
-            clause="success is told",
-            holds=False,
-            sentence=f"`info` holds no `{key}` when an episode ends",
-            remedy=f"Let the environment put `{key}` into `info`, or give a function as `success`.",
+    note = ""
+    if rate == 0.0:
+        note = (
+            "Success was never true: random actions may not reach the goal, but make sure that "
+            "good ones do."
         )
+    elif rate == 1.0:
+        note = "Success was always true: then nothing is left to learn, or `success` is too easy."
     return Finding(
         clause="success is told",
         holds=True,
-        sentence=f"{100 * rate:.0f} % of random episodes succeed"
-        + ("; so nothing is left to learn" if rate == 1.0 else ""),
+        sentence=f"{100 * rate:.0f} % of random episodes succeed",
+        note=note,
     )
 
 
-def _task_matters(env: TaskEnv, seed: int) -> Iterator[Finding]:
-    """With the same seed and actions, two ends of a parameter's range must differ."""
+def _task_matters(env: TaskEnv, index: int, seed: int) -> Finding:
+    """With the same seed and actions, two ends of a parameter's range must differ.
+
+    Only where one end gives the same episode twice does a difference show anything.
+    """
     space = env.space
-    for index, name in enumerate(space.parameters):
-        task = space.variants[len(space.variants) // 2].copy()
-        ends: list[Episode] = []
-        for bound in (space.lower, space.upper):
-            task[index] = bound[index]
-            ends.append(episode_of(env, task, seed))
-        common = min(len(end.observations) for end in ends)
-        gap = np.abs(ends[0].observations[:common] - ends[1].observations[:common]).max(axis=1)
-        differs = bool((gap > 0).any()) or len(ends[0].rewards) != len(ends[1].rewards)
-        rewards = ends[0].rewards[: common - 1] != ends[1].rewards[: common - 1]
-        first = int(np.argmax(gap > 0)) if (gap > 0).any() else -1
-        told = [end.variant[index] for end in ends] == [space.lower[index], space.upper[index]]
-        where = "at once" if first == 0 else f"after {first} decisions"
-        yield Finding(
-            clause=f"{name} changes the task",
-            holds=(differs or bool(rewards.any())) and told,
-            sentence=f"observations at {space.lower[index]:g} and {space.upper[index]:g} differ "
-            f"{where}"
-            if differs
-            else f"the same seed and actions give the same episode at {space.lower[index]:g} and "
-            f"{space.upper[index]:g}",
-            remedy="Let `set_task` change what the simulation reads: often an attribute is copied "
-            "when the environment is made, and a later change is ignored.",
+    clause = f"{space.parameters[index]} changes the task"
+    lower, upper = space.lower[index], space.upper[index]
+    if len(space.variants) == 1 or lower == upper:
+        return Finding(
+            clause=clause,
+            holds=False,
+            sentence="there is one variant, which is no family"
+            if len(space.variants) == 1
+            else f"it has one value, {lower:g}",
+            remedy="Give it several values in the task space, or leave it out where others vary.",
         )
+    tasks = np.tile(space.variants[len(space.variants) // 2], (3, 1))
+    tasks[:, index] = lower, lower, upper
+    first, again, last = (episode_of(env, task, seed) for task in tasks)
+    if not same(first, again):
+        return Finding(
+            clause=clause,
+            holds=False,
+            sentence=f"not shown: at {lower:g} the same seed and actions do not give the same "
+            "episode twice, so that a difference says nothing",
+            remedy="Let a seed repeat its episode, then check again.",
+        )
+    told = (first.variant[index], last.variant[index]) == (lower, upper)
+    common = min(len(first.observations), len(last.observations))
+    apart = (first.observations[:common] != last.observations[:common]).any(axis=1)
+    if apart.any():
+        decisions = int(np.argmax(apart))
+        what = f"observations differ {f'from decision {decisions} on' if decisions else 'at once'}"
+    else:
+        what = "rewards or the end differ"
+    return Finding(
+        clause=clause,
+        holds=told and not same(first, last),
+        sentence=f"the same seed and actions give the same episode at {lower:g} and {upper:g}"
+        if same(first, last)
+        else f"between {lower:g} and {upper:g} {what}",
+        remedy="Let `set_task` change what the simulation reads: often an attribute is copied "
+        "when the environment is made, and a later change is ignored.",
+    )
 
 
 def _repeats(env: TaskEnv, task: FloatArray, seed: int) -> Finding:
     first, second = (episode_of(env, task, seed) for _ in range(2))
     return Finding(
         clause="a seed repeats its episode",
-        holds=np.array_equal(first.observations, second.observations),
+        holds=same(first, second),
         sentence="the same task, seed and actions, twice in a row",
         remedy="Draw everything random from `self.np_random`, and let `reset` restore everything; "
         "without, an interrupted training cannot go on identically.",
@@ -302,10 +287,10 @@ def _seeds_matter(env: TaskEnv, task: FloatArray, seed: int) -> Finding:
     for one in (seed, seed + 1):
         env.reset(seed=one, options={"variant": task})
         env.action_space.seed(0)
-        observations = [_raw(env)]
+        observations = [raw_observation(env)]
         for _ in range(50):
             _, _, terminated, truncated, _ = env.step(env.action_space.sample())
-            observations.append(_raw(env))
+            observations.append(raw_observation(env))
             if terminated or truncated:
                 break
         episodes.append(np.array(observations))

@@ -10,7 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import cast
 
-from surmount.core.errors import ConfigError, InputError
+from surmount.core.errors import ConfigError, InputError, SurmountError
+from surmount.own.making import cause
 from surmount.own.task_env import TaskEnv
 
 
@@ -27,13 +28,24 @@ def load_make_env(name: str) -> Callable[[], TaskEnv]:
     Raises
     ------
     ConfigError
-        If there is no such module or function.
+        If there is no such module or function, or a file is named instead of a module.
     InputError
         If the module fails while it is imported.
+    SurmountError
+        If the module raises one while it is imported: it is handed on.
     """
-    module_name, _, function_name = name.partition(":")
+    module_name, _, function_name = name.rpartition(":")
     if not module_name or not function_name:
         raise ConfigError(f"`{name}` is not a function.", remedy="Write it as my_module:make_env.")
+    if module_name.endswith(".py") or "/" in module_name or "\\" in module_name:
+        file = Path(module_name)
+        spelling = f"{file.stem}:{function_name}"
+        raise ConfigError(
+            f"`{module_name}` is a file, not a module.",
+            remedy=f"Write it as {spelling}."
+            if file.parent == Path()
+            else f"Write it as {spelling}, and call Surmount in the folder {file.parent}.",
+        )
     here = str(Path.cwd())
     if here not in sys.path:
         sys.path.insert(0, here)  # workers inherit it
@@ -49,9 +61,11 @@ def load_make_env(name: str) -> Callable[[], TaskEnv]:
             f"There is no module `{module_name}`.",
             remedy="Call Surmount in the folder of its file, or install it.",
         ) from error
-    except Exception as error:
+    except SurmountError:
+        raise
+    except (Exception, SystemExit) as error:
         raise InputError(
-            f"`{module_name}` fails while it is imported ({type(error).__name__}: {error}).",
+            f"`{module_name}` fails while it is imported ({cause(error)}).",
             remedy=f"Let `python -c 'import {module_name}'` work first.",
         ) from error
     function = getattr(module, function_name, None)
@@ -70,5 +84,8 @@ def source_hash(name: str) -> str:
     Modules that it imports are not part of it.
     """
     function = load_make_env(name)
-    source = Path(inspect.getfile(inspect.unwrap(function)))
-    return hashlib.sha256(source.read_bytes()).hexdigest()
+    try:
+        source = inspect.getfile(inspect.unwrap(function))
+    except TypeError:  # an object that is called, such as a partial function
+        source = inspect.getfile(sys.modules[name.rpartition(":")[0]])
+    return hashlib.sha256(Path(source).read_bytes()).hexdigest()

@@ -42,6 +42,10 @@ SetTask = Callable[[gymnasium.Env[Any, Any], dict[str, float]], None]
 Feature = str | Callable[[Moment], float]
 
 
+class UntoldSuccessError(InputError):
+    """An episode ended, and ``info`` does not hold the key that tells success."""
+
+
 class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     """An environment that draws its task inside ``reset``, and says what became of it.
 
@@ -61,7 +65,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         Called with the innermost environment and the task by name, before each reset; or the
         key under which ``reset(options=…)`` takes the task by name.
     success
-        Whether the goal is reached at a moment; or the key of ``info`` that says so.
+        Whether the goal is reached at a moment; or the key of ``info`` that says so, which must be
+        there when an episode ends.
     features
         What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
     decision_s
@@ -117,11 +122,6 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         return self._task.copy()
 
     @property
-    def success_key(self) -> str | None:
-        """Key of ``info`` that tells success, ``None`` where a function does."""
-        return self._success if isinstance(self._success, str) else None
-
-    @property
     def last_observation(self) -> Any:
         """What the wrapped environment returned last, without an appended task."""
         return self._observation
@@ -162,11 +162,17 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         return self._begin(task, episode_seed, rest)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Take one decision; what is no longer finite ends the episode as diverged."""
+        """Take one decision; what is no longer finite ends the episode as diverged.
+
+        Raises
+        ------
+        UntoldSuccessError
+            If the episode ends and ``info`` does not hold the key that tells success.
+        """
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
         reward = float(reward)  # type: ignore[arg-type]
-        diverged = not (np.isfinite(np.asarray(observation)).all() and np.isfinite(reward))
+        diverged = not (_is_finite(observation) and np.isfinite(reward))
         if diverged:
             observation, reward, terminated = self._observation, 0.0, True
         moment = Moment(
@@ -237,8 +243,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._observation: Any = None
 
     def _judged(self, moment: Moment, *, diverged: bool) -> dict[str, Any]:
-        success = self._success
-        reached = moment.info.get(success, False) if isinstance(success, str) else success(moment)
+        reached = not diverged and self._reached(moment)
         values = [len(self._actions) * self.decision_s]
         for name, feature in self._features.items():
             if callable(feature):
@@ -252,10 +257,22 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
                 )
         return {
             "variant": self._task.copy(),
-            "is_success": bool(reached) and not diverged,
+            "is_success": reached,
             "diverged": diverged,
             "features": np.array(values),
         }
+
+    def _reached(self, moment: Moment) -> bool:
+        success = self._success
+        if not isinstance(success, str):
+            return bool(success(moment))
+        if success not in moment.info and (moment.terminated or moment.truncated):
+            raise UntoldSuccessError(
+                f"`info` holds no `{success}` when an episode ends.",
+                remedy=f"Let the environment put `{success}` into `info`, or give a function as "
+                "`success`.",
+            )
+        return bool(moment.info.get(success, False))
 
     def _seen(self, observation: Any) -> Any:
         if not self._observe_task:
@@ -266,6 +283,14 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         place = 2.0 * (self._task - self.space.lower) / width - 1.0
         dtype = self.observation_space.dtype
         return np.concatenate([np.asarray(observation).ravel(), place]).astype(dtype)
+
+
+def _is_finite(observation: Any) -> bool:
+    if isinstance(observation, dict):
+        return all(map(_is_finite, observation.values()))
+    if isinstance(observation, tuple):
+        return all(map(_is_finite, observation))
+    return bool(np.isfinite(np.asarray(observation)).all())
 
 
 def _decision_s(env: gymnasium.Env[Any, Any]) -> float:

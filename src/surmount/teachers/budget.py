@@ -40,8 +40,13 @@ class BudgetedLevels:
 
     def status(self) -> TeacherStatus:
         """Say at which level the teacher stands."""
-        label = "after the last level" if self._levels.finished else self._levels.status().label
-        return TeacherStatus(label=label, steps=self._steps, planned_steps=self._total_steps)
+        status = self._levels.status()
+        return TeacherStatus(
+            label="after the last level" if self._levels.finished else status.label,
+            steps=self._steps,
+            planned_steps=self._total_steps,
+            level=status.level or self._levels.n_levels,
+        )
 
     def distribution(self) -> TaskDistribution:
         """Return the level's distribution; after the last level, still the last."""

@@ -55,6 +55,11 @@ class LevelTeacher:
         return self._level >= len(self._levels)
 
     @property
+    def n_levels(self) -> int:
+        """Number of levels."""
+        return len(self._levels)
+
+    @property
     def tests(self) -> tuple[LevelTest, ...]:
         """All level tests so far, in order."""
         return tuple(self._tests)
@@ -69,7 +74,10 @@ class LevelTeacher:
         to_come = (len(self._levels) - self._level - 1) * self._config.iteration_steps
         left = max(0, self._iteration_length() - self._iteration_steps)
         return TeacherStatus(
-            label=label, steps=self._steps, planned_steps=self._steps + left + to_come
+            label=label,
+            steps=self._steps,
+            planned_steps=self._steps + left + to_come,
+            level=self._level + 1,
         )
 
     def distribution(self) -> TaskDistribution:
