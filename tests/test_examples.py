@@ -6,9 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small import SMALL, Watcher
 
+from surmount.analysis import Analysis
+from surmount.core.configuration import override
 from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.experiment import begin, make_executor, preset
+from surmount.experiment import run as run_stages
 from surmount.own import check_contract
+from surmount.report import write_report
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
 
@@ -57,6 +63,26 @@ def test_environments_of_others_keep_the_contract(name):
     findings = check_contract(module.make_env)
     assert [finding for finding in findings if not finding.holds] == []
     assert len(findings) == 11 + len(module.make_env().task_parameters)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["lunar_lander", "uphill_cheetah"])
+def test_the_whole_protocol_runs_on_environments_of_others(name, tmp_path):
+    config = override(
+        preset(f"{name}:make_env", "smoke"),
+        {key: value for key, value in SMALL.items() if not key.startswith("env.")}
+        | {"networks": 1},
+    )
+    begin(tmp_path, config)
+    watcher = Watcher()
+    outcome = run_stages(tmp_path, config, make_executor(0, watcher.listen), watcher)
+    assert not outcome.interrupted
+    analysis = Analysis.load(outcome.artefacts["analysis"].path("analysis.json"))
+    space = importlib.import_module(name).make_env().space
+    assert analysis.parameters == space.parameters
+    np.testing.assert_allclose(analysis.variants, space.variants)
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert all(parameter.partition("_")[0] in page for parameter in space.parameters)
 
 
 def lander_curriculum() -> Curriculum:

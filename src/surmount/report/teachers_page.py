@@ -78,7 +78,7 @@ def document_of_teachers(record: Record) -> Document:
             text="Every teacher trained the same initial networks on, each for as many steps as "
             "the paper's curriculum took with it, and was tested on every variant alike. Scores "
             "are success rates in these tests; intervals are 95 % bootstrap intervals over "
-            "networks, which are too narrow with fewer than ten."
+            "networks (one task family is one stratum), which are too narrow with fewer than ten."
         ),
         _score_figure(record),
         _score_table(record),
