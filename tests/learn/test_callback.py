@@ -258,6 +258,50 @@ def test_an_unknown_service_is_refused(tmp_path, monkeypatch):
         training_logger(tmp_path / "a" / "b")
 
 
+def test_weights_and_biases_itself_takes_the_scalars(tmp_path, monkeypatch):
+    pytest.importorskip("wandb")
+    monkeypatch.setenv("WANDB_MODE", "offline")
+    monkeypatch.setenv("WANDB_DIR", str(tmp_path))
+    monkeypatch.setenv("SURMOUNT_LOG", "wandb")
+    logger = training_logger(tmp_path / "curriculum" / "network-0")
+    for step in (100, 200):
+        logger.record("curriculum/level", step // 100)
+        logger.dump(step)
+    run = logger.output_formats[-1]._run
+    assert (run.name, run.project) == ("curriculum/network-0", "surmount")
+    logger.close()
+    (written,) = (tmp_path / "wandb").glob("offline-run-*/*.wandb")
+    assert b"curriculum/level" in written.read_bytes()
+
+
+def test_mlflow_itself_takes_the_scalars(tmp_path, monkeypatch):
+    pytest.importorskip("mlflow")
+    monkeypatch.setenv("MLFLOW_ALLOW_FILE_STORE", "true")
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", (tmp_path / "runs").as_uri())
+    monkeypatch.setenv("SURMOUNT_LOG", "mlflow")
+    logger = training_logger(tmp_path / "curriculum" / "network-0")
+    for step in (100, 200):
+        logger.record("curriculum/level", step // 100)
+        logger.dump(step)
+    logger.close()
+    (written,) = (tmp_path / "runs").rglob("metrics/curriculum/level")
+    assert [line.split()[1:] for line in written.read_text().splitlines()] == [
+        ["1.0", "100"],
+        ["2.0", "200"],
+    ]
+
+
+def test_a_service_that_begins_no_run_is_named_with_its_reason(tmp_path, monkeypatch):
+    class Refusing:
+        def init(self, **_):
+            raise ConnectionError("no key")
+
+    monkeypatch.setitem(__import__("sys").modules, "wandb", Refusing())
+    monkeypatch.setenv("SURMOUNT_LOG", "wandb")
+    with pytest.raises(InputError, match=r"`wandb` begins no run \(ConnectionError: no key\)"):
+        training_logger(tmp_path / "a" / "b")
+
+
 def test_weights_and_biases_and_mlflow_get_the_scalars_of_the_same_logger(tmp_path, monkeypatch):
     wandb, mlflow = Service(), Service()
     monkeypatch.setitem(__import__("sys").modules, "wandb", wandb)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.logger import KVWriter, Logger, configure
 
-from surmount.core.errors import ConfigError, MissingExtraError
+from surmount.core.errors import ConfigError, InputError, MissingExtraError, SurmountError
 
 VARIABLE = "SURMOUNT_LOG"
 PROJECT = "surmount"
@@ -103,6 +103,8 @@ def training_logger(folder: Path | None) -> Logger:
         If ``SURMOUNT_LOG`` names something else.
     MissingExtraError
         If what it names is not installed.
+    InputError
+        If what it names begins no run.
     """
     if folder is None:
         return configure(None, [])
@@ -115,8 +117,21 @@ def training_logger(folder: Path | None) -> Logger:
                 remedy=f"Name {' or '.join(WRITERS)}, or leave it out: TensorBoard is always "
                 "written.",
             )
-        logger.output_formats.append(WRITERS[name]("/".join(folder.parts[-2:])))
+        logger.output_formats.append(_writer(name, "/".join(folder.parts[-2:])))
     return logger
+
+
+def _writer(service: str, run: str) -> KVWriter:
+    try:
+        return WRITERS[service](run)
+    except SurmountError:
+        raise
+    except Exception as error:  # whatever its client raises: no key, no network, another version
+        raise InputError(
+            f"`{service}` begins no run ({type(error).__name__}: {error}).",
+            remedy=f"Let a script of its own log there first, or leave it out of {VARIABLE}: "
+            "TensorBoard is always written.",
+        ) from error
 
 
 def _imported(module: str) -> Any:
