@@ -89,7 +89,7 @@ def curves_of(trainings: Trainings, network: int, measure: Measure) -> list[Curv
                     begin=begin,
                     steps=begin + training.steps[rows],
                     values=known,
-                    smooth=running_mean(known, window, _part(training, rows)),
+                    smooth=running_mean(known, window, level_of_rollouts(training, rows)),
                     window=window,
                 )
             )
@@ -98,7 +98,7 @@ def curves_of(trainings: Trainings, network: int, measure: Measure) -> list[Curv
     return found
 
 
-def _part(training: TrainingResult, rows: list[int]) -> IntArray:
+def level_of_rollouts(training: TrainingResult, rows: list[int]) -> IntArray:
     """Return how many levels had been left before each of these roll-outs began."""
     ends = [test.steps for test in training.level_tests if test.decision != "extend"]
     return np.searchsorted(ends, training.steps[rows], side="left").astype(np.int64)

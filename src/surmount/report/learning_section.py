@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from surmount.core.run_layout import TRAININGS
 from surmount.core.teacher import LevelTest
 from surmount.report.document import Block, Column, Fold, Notice, Paragraph, Section, Table
+from surmount.report.gain_noise import CLEAR, gain_noise
 from surmount.report.learning_figure import learning_curves
 from surmount.report.palette import ARM_STYLES
 from surmount.report.results import RunResults
-from surmount.report.text import MINUS, counted, integer, number, signed
+from surmount.report.text import MINUS, UNDEFINED, counted, integer, number, signed
 
 FEW_TESTS = 12
 """Up to so many tests are shown at once; more are folded network by network."""
@@ -82,22 +85,33 @@ def level_tests(results: RunResults) -> list[Block]:
     }
     if not found:
         return []
+    window_steps = int(results.folder.config["advancement"]["window_steps"])
     window = "rF and rL sum the reward over the first and the last W learning steps of an iteration"
     intro = Paragraph(
         text=f"A level ends when (rL − rF) of its newest iteration falls below a set share of "
-        f"(rL − rF) of its first iteration (eq. 5); {window}. Every test made:"
+        f"(rL − rF) of its first iteration (eq. 5); {window}, W = {integer(window_steps)}. By "
+        "chance: the standard deviation that a gain has where nothing is learnt, estimated from "
+        "neighbouring roll-outs. Every test made:"
     )
-    rows = {network: [_row(network, test) for test in tests] for network, tests in found.items()}
+    noise = {
+        network: gain_noise(results.trainings["curriculum"][network], window_steps)
+        for network in found
+    }
+    rows = {
+        network: [_row(network, test, noise[network]) for test in tests]
+        for network, tests in found.items()
+    }
+    before: list[Block] = [intro, *_about_noise(results, found, noise, window_steps)]
     if sum(map(len, rows.values())) <= FEW_TESTS:
         everything = [row for own in rows.values() for row in own]
         words = tuple(_words(network, tests) for network, tests in found.items())
         return [
-            intro,
+            *before,
             _table("Every level test", everything),
             Fold(summary="The same in words", blocks=words),
         ]
     return [
-        intro,
+        *before,
         *(
             Fold(
                 summary=f"Network {network}: {counted(len(own), 'level test')}",
@@ -111,6 +125,39 @@ def level_tests(results: RunResults) -> list[Block]:
     ]
 
 
+def _about_noise(
+    results: RunResults,
+    found: Mapping[int, tuple[LevelTest, ...]],
+    noise: Mapping[int, float | None],
+    window_steps: int,
+) -> list[Block]:
+    """Warn where the first gain, by which eq. 5 measures all others, may be chance."""
+    begun = [(network, test) for network, tests in found.items() for test in tests
+             if test.iteration == 0]  # fmt: skip
+    unclear = sum(
+        abs(test.first_gain) < CLEAR * size
+        for network, test in begun
+        if (size := noise[network]) is not None
+    )
+    if not unclear:
+        return []
+    trainings = [results.trainings["curriculum"][network] for network in found]
+    decisions = sum(training.total_steps for training in trainings)
+    episodes = sum(training.episodes for training in trainings)
+    unsure = (
+        f"In {unclear} of {counted(len(begun), 'level')} the first gain was less than {CLEAR:g} "
+        "times what chance makes of it: there eq. 5 could not tell learning from noise, and the "
+        "level ended, or was extended, largely by luck."
+    )
+    remedy = (
+        f"A window of {integer(window_steps)} learning steps is worth "
+        f"{number(window_steps * episodes / max(decisions, 1), 2)} episodes. In longer windows "
+        "(`advancement.window_steps`, W) noise grows with the square root of W, what was learnt "
+        "with W itself."
+    )
+    return [Notice(title="Level tests decided by chance", sentences=(unsure, remedy))]
+
+
 def _words(network: int, tests: tuple[LevelTest, ...]) -> Table:
     return Table(
         label="",
@@ -120,7 +167,7 @@ def _words(network: int, tests: tuple[LevelTest, ...]) -> Table:
     )
 
 
-def _row(network: int, test: LevelTest) -> tuple[str, ...]:
+def _row(network: int, test: LevelTest, noise: float | None) -> tuple[str, ...]:
     return (
         str(network),
         str(test.level + 1),
@@ -130,6 +177,7 @@ def _row(network: int, test: LevelTest) -> tuple[str, ...]:
         number(test.last_window, 4),
         signed(test.newest_gain),
         signed(test.first_gain),
+        UNDEFINED if noise is None else f"± {number(noise, 3)}",
         "undefined" if test.ratio is None else f"{test.ratio:.3f}".replace("-", MINUS),
         f"{test.threshold:g}",
         test.decision,
@@ -149,6 +197,7 @@ def _table(title: str, rows: list[tuple[str, ...]]) -> Table:
             Column(heading="rL", numeric=True),
             Column(heading="newest gain", numeric=True),
             Column(heading="first gain", numeric=True),
+            Column(heading="by chance", numeric=True),
             Column(heading="ratio", numeric=True),
             Column(heading="threshold", numeric=True),
             Column(heading="decision"),

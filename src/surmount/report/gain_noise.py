@@ -1,0 +1,44 @@
+"""How far the gain of eq. 5 goes by chance: whether a level test measured learning or noise."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surmount.report.curves import level_of_rollouts
+from surmount.report.results import TrainingResult
+
+FEWEST_DIFFERENCES = 8
+"""Differences of neighbouring roll-outs below which no noise is estimated."""
+CLEAR = 2.0
+"""A gain is told from chance where it is so many times its noise."""
+
+
+def gain_noise(training: TrainingResult, window_steps: int) -> float | None:
+    """Return the standard deviation of rL − rF where nothing is learnt.
+
+    From mean square successive differences (von Neumann et al. 1941, Annals of Mathematical
+    Statistics 12): mean rewards of neighbouring roll-outs within a level differ by chance and
+    hardly by learning. Roll-outs are taken for independent of each other, and a window of W steps
+    for W / n roll-outs of n steps.
+
+    Parameters
+    ----------
+    training
+        A training under levels.
+    window_steps
+        W: learning steps of each window.
+
+    Returns
+    -------
+    float or None
+        In units of summed reward; ``None`` with too few roll-outs.
+    """
+    level = level_of_rollouts(training, list(range(training.steps.size)))
+    differences = np.diff(training.reward)[np.diff(level) == 0]
+    if differences.size < FEWEST_DIFFERENCES:
+        return None
+    variance = float(np.mean(differences**2)) / 2
+    rollout_steps = float(np.median(np.diff(training.steps, prepend=0)))
+    return math.sqrt(2 * variance * rollout_steps * window_steps)

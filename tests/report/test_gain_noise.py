@@ -1,0 +1,57 @@
+"""The noise of a gain is what gains differ by where nothing is learnt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surmount.core.teacher import LevelTest
+from surmount.report.gain_noise import gain_noise
+from surmount.report.results import TrainingResult
+
+ROLLOUT, WINDOW = 1_000, 4_000
+TEST = LevelTest(
+    level=0, iteration=0, steps=200 * ROLLOUT, first_window=0.0, last_window=0.0, first_gain=0.0,
+    newest_gain=0.0, ratio=None, threshold=0.1, decision="advance", sentence="",
+)  # fmt: skip
+
+
+def training(reward, tests=()) -> TrainingResult:
+    return TrainingResult(
+        steps=ROLLOUT * np.arange(1, reward.size + 1),
+        reward=reward,
+        success=(None,) * reward.size,
+        label=("",) * reward.size,
+        total_steps=ROLLOUT * reward.size,
+        episodes=1,
+        diverged_episodes=0,
+        level_tests=tuple(tests),
+    )
+
+
+def test_it_is_the_deviation_of_gains_between_windows_of_the_same_rewards():
+    rng = np.random.default_rng(0)
+    steps = 0.3 + rng.standard_normal((4_000, ROLLOUT))  # rewards of single learning steps
+    windows = steps.reshape(-1, WINDOW).sum(axis=1)
+    gains = windows[1::2] - windows[::2]
+    # 500 gains: their deviation is known to three per cent.
+    assert gain_noise(training(steps.mean(axis=1)), WINDOW) == pytest.approx(gains.std(), rel=0.1)
+
+
+def test_learning_and_a_change_of_level_are_not_taken_for_noise():
+    rng = np.random.default_rng(0)
+    noise = 0.01 * rng.standard_normal(400)
+    still = gain_noise(training(noise), WINDOW)
+    learnt = noise + np.linspace(0, 1, 400)
+    learnt[200:] -= 5.0  # a harder level
+    found = gain_noise(training(learnt, [TEST]), WINDOW)
+    assert found == pytest.approx(still, rel=0.1)
+    unaware = gain_noise(training(learnt, [replace(TEST, decision="extend")]), WINDOW)
+    assert unaware > 10 * still
+
+
+def test_few_rollouts_say_nothing():
+    assert gain_noise(training(np.zeros(8)), WINDOW) is None
+    assert gain_noise(training(np.zeros(9)), WINDOW) == 0.0
