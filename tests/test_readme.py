@@ -33,6 +33,6 @@ def test_commands_exist(verb, capsys):
 
 def test_pictures_exist():
     pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
-    assert len(pictures) == 3
+    assert len(pictures) == 4
     for picture in pictures:
         assert (Path(__file__).parent.parent / picture).is_file()
