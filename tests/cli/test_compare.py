@@ -37,6 +37,9 @@ def test_a_finished_run_is_taken_with_its_own_configuration(reproduced, capsys):
     assert "temperature = 0.5, staleness = 0.1" in text
     logged = (reproduced / "logs" / "run.log").read_text(encoding="utf-8")
     assert logged.count("initiation/network-0: finished") == 1
+    own_page = (reproduced / "report.md").read_text(encoding="utf-8")
+    assert "| test-control/network-0 |" in own_page
+    assert "teach/plr" not in own_page  # nor in its sum of computing
 
 
 def test_a_run_with_another_configuration_is_refused_with_a_way_out(reproduced, capsys):

@@ -60,13 +60,31 @@ def test_page_tells_over_networks_how_far_and_how_soon(reported):
         *(record["steps_to_95"][arm] for arm in ("curriculum", "control")),
         strict=True,
     ):
-        counts = [f"{found['n_reached']} of 2" for found in (curriculum, control)]
-        medians = [found["median_steps"] for found in (curriculum, control)]
-        cells = [
-            count if median is None else f"{count}, median {median:,.0f}"
-            for count, median in zip(counts, medians, strict=True)
-        ]
-        assert f"{group} {' '.join(cells)}" in read.text.replace("\u2009", ",")
+        for arm, found in (("curriculum", curriculum), ("control", control)):
+            median = found["median_steps"]
+            cells = [
+                f"{found['n_reached']} of 2" + (f", median {median:,.0f}" if median else ""),
+                *("—" if steps is None else f"{steps:,.0f}" for steps in found["first_steps"]),
+            ]
+            assert f"{group} {arm} {' '.join(cells)}" in read.text.replace("\u2009", ",")
+
+
+def test_page_tells_what_hangs_on_each_choice_and_when_the_first_level_ended(reported):
+    analysis = Analysis.load(reported.stages["analysis"].path("analysis.json"))
+    read = PageReader(reported.text())
+    assert analysis.sensitivity
+    for row in analysis.sensitivity:
+        cells = f"{row.choice} {row.value} {row.n_groups} {row.agreement:.2f}"
+        assert " ".join(cells.split()) in read.text
+    ends = []
+    for network in range(2):
+        before = read_record(reported.stages[f"initiation/network-{network}"].path("training.json"))
+        record = read_record(reported.stages[f"curriculum/network-{network}"].path("training.json"))
+        (end,) = (test["steps"] for test in record["level_tests"]
+                  if test["level"] == 0 and test["decision"] != "extend")  # fmt: skip
+        ends.append(before["steps"] + end)
+    expected = f"near 1,800,000 {min(ends):,} to {max(ends):,}"
+    assert expected in read.text.replace("\u2009", ",")
 
 
 def test_page_is_well_formed_and_accessible(reported):

@@ -54,7 +54,7 @@ def print_summary(console: Console, root: Path) -> None:
         line = f"level {number}, for {level.dominant}: {weights}"
         console.print(line, soft_wrap=True, markup=False)
     if not curriculum.levels:
-        console.print("no levels: every group already succeeds, so nothing was left to learn")
+        console.print("no levels: every group already reaches the success that needs none")
 
 
 def _share(count: dict[str, Any]) -> str:

@@ -56,16 +56,31 @@ class PaperGroup:
 
 @dataclass(frozen=True, kw_only=True)
 class PaperResult:
-    """The paper's result on one obstacle: groups from easy to difficult, and number of levels."""
+    """The paper's result on one obstacle.
+
+    Attributes
+    ----------
+    groups
+        From easy to difficult.
+    levels, networks
+        Number of levels, and of networks per arm.
+    first_level_steps
+        Learning steps in all after which the first level ended; ``None`` where not told.
+    successes
+        Success of both arms in all groups together, as the paper says it.
+    """
 
     groups: tuple[PaperGroup, ...]
     levels: int
     networks: int = 2
+    first_level_steps: int | None = None
+    successes: str | None = None
 
 
 PAPER_RESULTS = {
     "narrow-channel": PaperResult(
         levels=1,
+        successes="no difference (about 1800 / 1800)",
         groups=(
             PaperGroup(name="easy", range_mm=(260.0, 320.0), recovered=False, after_initiation=1.0),
             PaperGroup(
@@ -91,6 +106,7 @@ PAPER_RESULTS = {
     ),
     "step": PaperResult(
         levels=3,
+        first_level_steps=1_800_000,
         groups=(
             PaperGroup(name="easy", range_mm=(21.0, 33.0), recovered=True, after_initiation=0.94),
             PaperGroup(

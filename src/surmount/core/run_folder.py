@@ -73,6 +73,17 @@ class RunFolder:
         return str(self.config["scale"])
 
     @property
+    def protocol(self) -> dict[str, Artefact]:
+        """The finished stages of the protocol: none of a comparison with other teachers."""
+        expected = set(expected_stages(self.networks))
+        return {name: found for name, found in self.stages.items() if name in expected}
+
+    @property
+    def protocol_s(self) -> float:
+        """Time that the stages of the protocol took together, where known, in s."""
+        return sum(self.seconds.get(name, 0.0) for name in self.protocol)
+
+    @property
     def finished(self) -> bool:
         """Whether nothing is missing."""
         return not self.missing

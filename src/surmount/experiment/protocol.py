@@ -73,6 +73,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
             )
             for arm in ARMS
         },
+        version=2,
     )
 
 
@@ -90,11 +91,14 @@ def _stage(
     name: str,
     function: StageFunction,
     part: Record,
+    *,
+    version: int = 1,
     **inputs: tuple[str, ...],
 ) -> Stage:
     return Stage(
         name=name,
         function=function,
+        version=version,
         config=part,
         seed=derive_seed(config.seed, config.obstacle, name),
         inputs=inputs,

@@ -40,12 +40,13 @@ def compare(context: StageContext) -> None:
     (analysis,) = context.inputs["analysis"]
     curriculum = Curriculum.load(analysis.path(CURRICULUM))
     initiation = pooled_trials(context.inputs["initiation"])
+    cap_s = float(context.config["cap_s"])
     arms = {arm: pooled_trials(context.inputs[arm]) for arm in ARMS}
     write_record(
         context.output / STATISTICS,
         {
             "schema": SCHEMA,
-            "cap_s": context.config["cap_s"],
+            "cap_s": cap_s,
             "groups": [group.name for group in curriculum.groups],
             "success_by_variant": {
                 "initiation": success_by_variant(initiation),
@@ -56,7 +57,7 @@ def compare(context: StageContext) -> None:
                 for index, group in enumerate(curriculum.groups)
             ],
             "groups_compared": [
-                {"group": group.name, **compare_group(arms, curriculum, index)}
+                {"group": group.name, **compare_group(arms, curriculum, index, cap_s)}
                 for index, group in enumerate(curriculum.groups)
             ],
             "path_lengths": {
@@ -110,12 +111,20 @@ def success_by_variant(trials: Trials) -> list[Record]:
     ]
 
 
-def compare_group(arms: dict[str, Trials], curriculum: Curriculum, group: int) -> Record:
-    """Compare success and completion time of both arms in one group."""
+def compare_group(
+    arms: dict[str, Trials], curriculum: Curriculum, group: int, cap_s: float
+) -> Record:
+    """Compare success and completion time of both arms in one group.
+
+    Failed trials are censored at the cap (III-E), also those that a fall ended earlier: censored
+    at the fall they would count as if they might have gone on as well as any other.
+    """
     chosen = {arm: in_group(trials, curriculum, group) for arm, trials in arms.items()}
     won = [int(chosen[arm].success.sum()) for arm in ARMS]
     totals = [chosen[arm].n_trials for arm in ARMS]
-    times = {arm: trials.final(TIME) for arm, trials in chosen.items()}
+    times = {
+        arm: np.where(trials.success, trials.final(TIME), cap_s) for arm, trials in chosen.items()
+    }
     return {
         "arms": {arm: success_of(trials) for arm, trials in chosen.items()},
         "proportion_test": proportion_test(won, totals).to_record(),

@@ -40,20 +40,6 @@ def _evidence(analysis: Analysis) -> Section:
         Paragraph(text=f"Linkage: {analysis.config.linkage}. {rule[0].upper()}{rule[1:]}"),
         Fold(summary="Link by link", blocks=(links,)),
     ]
-    if analysis.sensitivity:
-        rows = [
-            [row.choice, row.value, str(row.n_groups), f"{row.agreement:.2f}"]
-            for row in analysis.sensitivity
-        ]
-        blocks.append(
-            _table(
-                "How much each choice matters",
-                ["choice", "changed to", "groups", "agreement"],
-                rows,
-                words=2,
-                notes=("Agreement 1 means the same groups (adjusted Rand index).",),
-            )
-        )
     return Section(anchor="evidence", title="The evidence", blocks=tuple(blocks))
 
 

@@ -11,6 +11,8 @@ from surmount.report.results import TrainingResult
 
 FEWEST_DIFFERENCES = 8
 """Differences of neighbouring roll-outs below which no noise is estimated."""
+NORMAL_MEDIAN = 1.4826
+"""Standard deviation of a normal variable over the median of its magnitude."""
 CLEAR = 2.0
 """A gain is told from chance where it is so many times its noise."""
 
@@ -18,10 +20,11 @@ CLEAR = 2.0
 def gain_noise(training: TrainingResult, window_steps: int) -> float | None:
     """Return the standard deviation of rL − rF where nothing is learnt.
 
-    From mean square successive differences (von Neumann et al. 1941, Annals of Mathematical
-    Statistics 12): mean rewards of neighbouring roll-outs within a level differ by chance and
-    hardly by learning. Roll-outs are taken for independent of each other, and a window of W steps
-    for W / n roll-outs of n steps.
+    From successive differences (after von Neumann et al. 1941, Annals of Mathematical Statistics
+    12): mean rewards of neighbouring roll-outs within a level differ by chance and hardly by
+    learning. Their spread is taken by the median of magnitudes, so that a single roll-out with an
+    odd episode does not make it. Roll-outs are taken for independent of each other, and a window
+    of W steps for W / n roll-outs of n steps.
 
     Parameters
     ----------
@@ -39,6 +42,6 @@ def gain_noise(training: TrainingResult, window_steps: int) -> float | None:
     differences = np.diff(training.reward)[np.diff(level) == 0]
     if differences.size < FEWEST_DIFFERENCES:
         return None
-    variance = float(np.mean(differences**2)) / 2
+    variance = (NORMAL_MEDIAN * float(np.median(np.abs(differences)))) ** 2 / 2
     rollout_steps = float(np.median(np.diff(training.steps, prepend=0)))
     return math.sqrt(2 * variance * rollout_steps * window_steps)

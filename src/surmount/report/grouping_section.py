@@ -10,7 +10,7 @@ from surmount.analysis import Analysis
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Group
-from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
+from surmount.report.document import Block, Column, Fold, Notice, Paragraph, Section, Table
 from surmount.report.fit_figure import mixture_fit
 from surmount.report.grouping_figure import distances_and_groups
 from surmount.report.stability_figure import success_and_stability
@@ -61,6 +61,8 @@ def grouping_section(analysis: Analysis | None) -> Section:
     boundaries = stability_table(analysis)
     if boundaries is not None:
         blocks.append(boundaries)
+    if analysis.sensitivity:
+        blocks.append(sensitivity_table(analysis))
     if analysis.warnings:
         blocks.append(
             Notice(title="What the analysis itself warns of", sentences=analysis.warnings)
@@ -209,4 +211,29 @@ def stability_table(analysis: Analysis) -> Table | None:
             Column(heading="replicates", numeric=True),
         ),
         rows=tuple(rows),
+    )
+
+
+def sensitivity_table(analysis: Analysis) -> Fold:
+    """Return which groups there would be with one choice of the analysis changed."""
+    same = sum(row.agreement >= 1 for row in analysis.sensitivity)
+    table = Table(
+        label="",
+        title="How much each choice matters",
+        columns=(
+            Column(heading="choice"),
+            Column(heading="changed to"),
+            Column(heading="groups", numeric=True),
+            Column(heading="agreement", numeric=True),
+        ),
+        rows=tuple(
+            (row.choice, row.value, str(row.n_groups), f"{row.agreement:.2f}")
+            for row in analysis.sensitivity
+        ),
+        notes=("Agreement 1 means the same groups (adjusted Rand index).",),
+    )
+    return Fold(
+        summary=f"With one choice changed, {same} of {len(analysis.sensitivity)} times the groups "
+        "are the same",
+        blocks=(table,),
     )

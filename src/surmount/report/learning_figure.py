@@ -24,7 +24,7 @@ from surmount.report.document import Figure, LegendEntry, Panel
 from surmount.report.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.plots import annotate, compact, hover, plot
 from surmount.report.stills import axes_grid
-from surmount.report.text import MINUS, counted, integer, number
+from surmount.report.text import MINUS, counted, integer, number, percent
 
 TITLES = {
     "reward": "mean reward per step",
@@ -36,6 +36,8 @@ DECISIONS: dict[Decision, tuple[str, str, str, str]] = {
     "advance at the limit": ("left at the limit of extensions", "square", "s", INK),
 }
 """Name, Plotly's symbol, Matplotlib's marker and filling of each decision."""
+RARE = 0.02
+"""Share of roll-outs that may lie below the panels."""
 BAND = "#0072B2"
 
 
@@ -93,8 +95,9 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
 def _bounds(drawn: Mapping[int, list[Curve]], measure: Measure) -> tuple[float, float]:
     if measure == "success":
         return -0.04, 1.1
+    # A few roll-outs with odd episodes must not press all others together.
     values = np.concatenate([curve.values for curves in drawn.values() for curve in curves])
-    low, high = float(values.min()), float(values.max())
+    low, high = float(np.quantile(values, RARE)), float(values.max())
     margin = 0.05 * (high - low or abs(high) or 1.0)
     return low - margin, high + 3 * margin
 
@@ -113,7 +116,8 @@ def _caption(drawn: Mapping[int, list[Curve]], measure: Measure) -> tuple[str, .
     if windows[-1] == 1:
         lines = "One point per roll-out."
     shown = (
-        "Rewards are as given by the environment, before any normalisation."
+        "Rewards are as given by the environment, before any normalisation; the scale leaves out "
+        f"the lowest {percent(RARE)} of roll-outs."
         if measure == "reward"
         else "Training episodes start at random poses on the variants of the level or, in "
         "initiation and control, of the whole range: the curves are no test."

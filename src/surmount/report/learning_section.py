@@ -89,7 +89,8 @@ def level_tests(results: RunResults) -> list[Block]:
     window = "rF and rL sum the reward over the first and the last W learning steps of an iteration"
     intro = Paragraph(
         text=f"A level ends when (rL − rF) of its newest iteration falls below a set share of "
-        f"(rL − rF) of its first iteration (eq. 5); {window}, W = {integer(window_steps)}. By "
+        f"(rL − rF) of its first iteration (eq. 5); {window}, W = {integer(window_steps)}. "
+        "Iterations end with whole roll-outs, so they are a little longer than k and p. By "
         "chance: the standard deviation that a gain has where nothing is learnt, estimated from "
         "neighbouring roll-outs. Every test made:"
     )

@@ -71,7 +71,7 @@ def overview_of(runs: Sequence[RunResults]) -> Document:
             ("networks", listed([str(run.folder.networks) for run in runs])),
             ("seeds", listed([str(run.folder.config.get("seed", "—")) for run in runs])),
             ("learning steps", integer(sum(map(_steps, runs)))),
-            ("computing", duration(sum(map(_seconds, runs)))),
+            ("computing", duration(sum(run.folder.protocol_s for run in runs))),
         ),
         sections=(*sections, _effort(runs)),
     )
@@ -190,10 +190,6 @@ def _steps(run: RunResults) -> int:
     )
 
 
-def _seconds(run: RunResults) -> float:
-    return sum(run.folder.seconds.get(name, 0.0) for name in run.folder.stages)
-
-
 def _effort(runs: Sequence[RunResults]) -> Section:
     rows: list[tuple[str, ...]] = []
     for run in runs:
@@ -208,7 +204,7 @@ def _effort(runs: Sequence[RunResults]) -> Section:
                 str(run.folder.networks),
                 integer(_steps(run)),
                 number(_steps(run) / trained, 4) if trained else "—",
-                duration(_seconds(run)),
+                duration(run.folder.protocol_s),
                 run.folder.machine.get("processor", "—"),
             )
         )

@@ -6,12 +6,20 @@ from collections.abc import Sequence
 
 from surmount.analysis import Analysis
 from surmount.core.paper import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
+from surmount.core.run_layout import ARMS
 from surmount.report.claims import Claim, claims_of
 from surmount.report.comparison import Comparison, GroupComparison, Success
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.results import RunResults
-from surmount.report.text import UNDEFINED, counted, listed, number, percent, variant_range
+from surmount.report.text import UNDEFINED, counted, integer, listed, number, percent, variant_range
 from surmount.report.verdicts import because, success_verdict, time_verdict
+
+RULES = (
+    "The rules for verdicts (ADR 32) were written before any run at the paper's scale; that claims "
+    "on arms are open without levels was added after the first. They are kind to wide intervals: "
+    "with few networks that differ much, many values would count as reproduced. “No difference” is "
+    "judged over trials, a difference over networks as well."
+)
 
 
 def paper_section(results: RunResults) -> Section | None:
@@ -33,6 +41,16 @@ def paper_section(results: RunResults) -> Section | None:
             UNDEFINED if analysis is None else str(analysis.curriculum.n_levels),
         ),
     ]
+    if paper.first_level_steps is not None:
+        rows.append(
+            (
+                "first level ended, steps in all",
+                f"near {integer(paper.first_level_steps)}",
+                _first_level(results),
+            )
+        )
+    if paper.successes is not None:
+        rows.append(("all groups: with and without", paper.successes, _all_groups(comparison)))
     for group in paper.groups:
         rows += _group_rows(group, analysis, comparison)
     times = (
@@ -84,7 +102,7 @@ def claim_table(claims: Sequence[Claim], title: str = "Claim by claim") -> Table
         title=title,
         columns=tuple(Column(heading=heading) for heading in headings),
         rows=tuple((c.claim, c.paper, c.ours, c.verdict, c.reason) for c in claims),
-        notes=("The rules for verdicts were written before any run at the paper's scale.",),
+        notes=(RULES,),
     )
 
 
@@ -119,6 +137,28 @@ def _group_rows(
             UNDEFINED if entry is None else _test(entry),
         ),
     ]
+
+
+def _first_level(results: RunResults) -> str:
+    """Return the least and the most learning steps at which networks left their first level."""
+    ends = [
+        results.trainings["initiation"][network].total_steps + test.steps
+        for network, training in results.trainings["curriculum"].items()
+        for test in training.level_tests
+        if test.level == 0 and test.decision != "extend"
+    ]
+    return f"{integer(min(ends))} to {integer(max(ends))}" if ends else UNDEFINED
+
+
+def _all_groups(comparison: Comparison | None) -> str:
+    if comparison is None:
+        return UNDEFINED
+    counts = [
+        [sum(getattr(entry.arms[arm], name) for entry in comparison.groups)
+         for name in ("successes", "trials")]
+        for arm in ARMS
+    ]  # fmt: skip
+    return " against ".join(f"{won} / {tried}" for won, tried in counts)
 
 
 def _paper_range(paper: PaperGroup, analysis: Analysis | None) -> str:

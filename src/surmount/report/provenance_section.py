@@ -29,7 +29,7 @@ def provenance_section(folder: RunFolder) -> Section:
             blocks=(_pairs("Configuration", ("key", "value"), config),),
         ),
         Fold(
-            summary=f"All stages ({len(folder.stages)} finished, {len(folder.missing)} missing)",
+            summary=f"All stages ({len(folder.protocol)} finished, {len(folder.missing)} missing)",
             blocks=(stage_table(folder),),
         ),
     ]
@@ -45,10 +45,9 @@ def stage_table(folder: RunFolder) -> Table:
             artefact.key[:KEY_DIGITS],
             artefact.content_hash[:KEY_DIGITS],
         )
-        for name, artefact in folder.stages.items()
+        for name, artefact in folder.protocol.items()
     ]
     rows += [(name, "not finished", UNDEFINED, UNDEFINED) for name in folder.missing]
-    known = [folder.seconds[name] for name in folder.stages if name in folder.seconds]
     return Table(
         label="",
         title="Stages",
@@ -61,8 +60,8 @@ def stage_table(folder: RunFolder) -> Table:
         rows=tuple(rows),
         notes=(
             (
-                f"Together {duration(sum(known))} of computing on one core each. The key is the "
-                "hash of everything a stage depends on, the content that of the files it wrote "
+                f"Together {duration(folder.protocol_s)} of computing on one core each. The key is "
+                "the hash of everything a stage depends on, the content that of the files it wrote "
                 "(SHA-256, first digits)."
             ),
             _restarts(folder),

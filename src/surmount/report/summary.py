@@ -62,7 +62,7 @@ def notices(folder: RunFolder) -> list[Notice]:
                 sentences=(
                     (
                         f"{counted(len(folder.missing), 'stage')} of "
-                        f"{len(folder.missing) + len(folder.stages)} "
+                        f"{len(folder.missing) + len(folder.protocol)} "
                         f"{'is' if len(folder.missing) == 1 else 'are'} missing: "
                         f"{listed(named + ([f'{rest} more'] if rest else []))}. The page shows "
                         "what exists; the same command goes on where the run stopped."
@@ -152,8 +152,7 @@ def facts(results: RunResults) -> tuple[tuple[str, str], ...]:
     found.append(("learning steps", integer(steps)))
     trials = sum(outcomes.success.size for outcomes in results.tests.values())
     found.append(("trials", integer(int(trials))))
-    seconds = sum(folder.seconds.get(name, 0.0) for name in folder.stages)
-    if seconds:
-        found.append(("computing", duration(seconds)))
+    if folder.protocol_s:
+        found.append(("computing", duration(folder.protocol_s)))
     found.append(("version", folder.versions.get("surmount", "—")))
     return tuple(found)

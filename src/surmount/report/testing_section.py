@@ -160,7 +160,8 @@ def survival_table(comparison: Comparison) -> Table:
             (
                 "Medians by Kaplan and Meier with 95 % intervals, over all trials, failed ones "
                 f"censored at {comparison.cap_s:g} s; {UNDEFINED} where fewer than half finish, or "
-                "the limit does not exist."
+                "the limit does not exist. The test takes trials of one network as independent, "
+                "which they are not: one network can make a difference."
             ),
             *dict.fromkeys(
                 entry.log_rank.reason for entry in comparison.groups if entry.log_rank.reason
@@ -173,10 +174,10 @@ def _median(curve: KaplanMeier) -> str:
     if curve.median is None:
         return UNDEFINED
     low, high = (
-        UNDEFINED if limit is None else f"{limit:.1f}"
+        UNDEFINED if limit is None else f"{limit:.2f}"
         for limit in (curve.median_lower, curve.median_upper)
     )
-    return f"{curve.median:.1f} ({low} to {high})"
+    return f"{curve.median:.2f} ({low} to {high})"
 
 
 def path_table(comparison: Comparison) -> list[Block]:
@@ -186,7 +187,9 @@ def path_table(comparison: Comparison) -> list[Block]:
     notes = [
         (
             "Linear mixed model by REML, group × method with a random intercept per initial "
-            "network (III-E); difference: curriculum minus control, in degrees."
+            "network (III-E); difference: curriculum minus control, in degrees. The model knows "
+            "no network that takes to the method otherwise than the rest: one network can make a "
+            "difference."
         )
     ]
     for path, model in comparison.path_lengths.items():
