@@ -1,8 +1,9 @@
 """Take what a repository should show of a run: ``python publish.py RUN FOLDER [NETWORKS]``.
 
 The page, the same in Markdown, figures with their data, configuration and versions, curriculum,
-analysis and statistics; and of the first NETWORKS (two, as many as the paper had) what acting
-needs: ``surmount evaluate FOLDER/networks/curriculum-0.safetensors`` works at once.
+analysis and statistics; the outcome of every trial (``outcomes.parquet``); and of the first
+NETWORKS (two, as many as the paper had) what acting needs: ``surmount evaluate
+FOLDER/networks/curriculum-0.safetensors`` works at once.
 """
 
 from __future__ import annotations
@@ -11,8 +12,11 @@ import shutil
 import sys
 from pathlib import Path
 
-from surmount.core.run_folder import open_run
-from surmount.core.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS
+import polars as pl
+
+from surmount.core.run_folder import RunFolder, open_run
+from surmount.core.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS, TRIALS
+from surmount.core.trial_table import read_trials
 from surmount.experiment import stages
 from surmount.learn import Snapshot, acting_only
 from surmount.report import write_report
@@ -36,10 +40,31 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
         statistics.path("statistics.json"),
     ):
         shutil.copy(path, folder)
+    outcomes(run).write_parquet(folder / "outcomes.parquet")
     for kind in TRAININGS:
         for index, artefact in list(run.numbered(kind).items())[:networks]:
             network = acting_only(Snapshot.load(artefact.path(stages.NETWORK)))
             network.save(folder / "networks" / f"{kind}-{index}.safetensors")
+
+
+def outcomes(run: RunFolder) -> pl.DataFrame:
+    """Return one row per trial: what had been learnt, on which variant, and what became of it."""
+    tables: list[pl.DataFrame] = []
+    for learnt, stage in TRIALS.items():
+        for artefact in run.numbered(stage).values():
+            trials = read_trials(artefact.path(stages.TRIALS))
+            columns = {
+                "learnt": [learnt] * trials.n_trials,
+                "network": trials.network,
+                **dict(zip(trials.parameters, trials.variant.T, strict=True)),
+                "repetition": trials.repetition,
+                "success": trials.success,
+                "end_s": trials.final("time_s"),
+                "sprawl_path_deg": trials.path_length("sprawl_deg"),
+                "fbem_path_deg": trials.path_length("fbem_deg"),
+            }
+            tables.append(pl.DataFrame(columns))
+    return pl.concat(tables)
 
 
 if __name__ == "__main__":
