@@ -101,6 +101,14 @@ def test_another_teacher_is_added_without_repeating_anything(compared):
     text = page.read_text(encoding="utf-8")
     assert "prioritised level replay (Jiang et al. 2021)" in text
     assert "Too few networks" in text
+    sure = [
+        duel["mean_difference"]
+        for teacher in record_of(outcome)["teachers"]
+        for duel in teacher["against"].values()
+        if duel["mean_difference"]["lower"] is not None
+        and not duel["mean_difference"]["lower"] <= 0 <= duel["mean_difference"]["upper"]
+    ]
+    assert ("every paired interval includes zero" in text) == (not sure)
     assert (root / "figures" / "teachers-sampled.csv").is_file()
 
 

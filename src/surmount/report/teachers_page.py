@@ -24,7 +24,16 @@ from surmount.report.document import (
 from surmount.report.palette import INK, SEQUENTIAL
 from surmount.report.plots import compact, plain, plot
 from surmount.report.stills import axes_grid
-from surmount.report.text import counted, integer, percent, percent_interval, reached, variant_label
+from surmount.report.text import (
+    counted,
+    integer,
+    listed,
+    percent,
+    percent_interval,
+    reached,
+    signed,
+    variant_label,
+)
 from surmount.report.writing import write_document
 
 NAME = "teachers"
@@ -54,10 +63,11 @@ def document_of_teachers(record: Record) -> Document:
     teachers = record["teachers"]
     networks = len(teachers[0]["success"])
     best = max(teachers, key=lambda teacher: teacher["interquartile_mean"]["estimate"])
-    summary = (
-        f"Highest interquartile mean of success: {best['title']}, "
-        f"{percent(best['interquartile_mean']['estimate'])}."
-    )
+    highest = percent(best["interquartile_mean"]["estimate"])
+    summary = [
+        f"Highest interquartile mean of success: {best['title']}, {highest}.",
+        _sure(teachers),
+    ]
     steps = sum(sum(teacher["steps"]) for teacher in teachers)
     notices: list[Notice] = []
     if networks < FEW_NETWORKS:
@@ -67,7 +77,7 @@ def document_of_teachers(record: Record) -> Document:
         )
         notices.append(Notice(title="Too few networks", sentences=(few,)))
     if steps == 0:
-        summary = "There was nothing to teach, so nothing can be said of any teacher."
+        summary = ["There was nothing to teach, so nothing can be said of any teacher."]
         nobody = (
             "The paper's curriculum has no levels: it took no learning steps, and no other teacher "
             "got any. All scores are those of the networks after the initiation."
@@ -89,7 +99,7 @@ def document_of_teachers(record: Record) -> Document:
         title="Teachers compared",
         subtitle="The paper's curriculum beside other ways of choosing tasks, at equal budgets",
         notices=tuple(notices),
-        summary=(summary,),
+        summary=tuple(summary),
         facts=(
             ("teachers", str(len(teachers))),
             ("networks each", str(networks)),
@@ -101,6 +111,24 @@ def document_of_teachers(record: Record) -> Document:
             Section(anchor="settings", title="Settings", blocks=(_settings_table(record),)),
         ),
     )
+
+
+def _sure(teachers: Sequence[Record]) -> str:
+    """Say which differences the paired interval over networks tells from zero."""
+    titles = {teacher["name"]: teacher["title"] for teacher in teachers}
+    found = [
+        f"{teacher['title']} against {titles[other]} ({signed(100 * mean['estimate'])} points)"
+        for teacher in teachers
+        for other, duel in teacher["against"].items()
+        for mean in (duel["mean_difference"],)
+        if mean["lower"] is not None and (mean["lower"] > 0 or mean["upper"] < 0)
+    ]
+    if not found:
+        return (
+            "Over networks no difference from the paper's curriculum or from uniform tasks is "
+            "sure: every paired interval includes zero."
+        )
+    return f"Paired intervals over networks that exclude zero: {listed(found)}."
 
 
 def _table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], *notes: str) -> Table:
@@ -135,8 +163,8 @@ def _duel_table(record: Record) -> Table:
     rows = [
         (
             f"{teacher['title']} against {other}",
-            percent(duel["mean_difference"]["estimate"]),
-            _limits(duel["mean_difference"]),
+            signed(100 * duel["mean_difference"]["estimate"]),
+            _limits(duel["mean_difference"]).replace("%", "points"),
             percent(duel["probability_of_improvement"]["estimate"]),
             _limits(duel["probability_of_improvement"]),
         )
@@ -145,7 +173,13 @@ def _duel_table(record: Record) -> Table:
     ]
     return _table(
         "Each against the paper's curriculum and against uniform tasks",
-        ("", "difference of means", "interval (t)", "probability of improvement", "interval"),
+        (
+            "",
+            "difference of means (points)",
+            "interval (t)",
+            "probability of improvement",
+            "interval",
+        ),
         rows,
         "The difference is judged by a paired t-test's interval, which holds with few networks.",
     )
