@@ -10,16 +10,14 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.cli.reproduce import begun_with, stop_on_signals
+from surmount.cli.reproduce import begun_with
+from surmount.cli.running import run_experiment
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
-from surmount.core.store import sole_user
-from surmount.experiment import begin, refuse_other, run
 from surmount.experiment.teacher_statistics import FILE
 from surmount.experiment.teaching import COMPARISON, SETTINGS, comparison_graph
 from surmount.report import write_report
@@ -76,27 +74,8 @@ def compare(
         changes["networks"] = seeds
     chosen = override(begun_with(task, scale, out, resume=resume), changes)
     graph = comparison_graph(chosen, teachers, teaching)
-    workers.check()
-    refuse_other(out, chosen)
     console = Console()
-    with sole_user(out):
-        begin(out, chosen)
-        with RunDisplay(console, out / "logs" / "run.log") as display:
-            executor = workers.make(display.listen)
-            try:
-                with stop_on_signals(display.note) as on_ready:
-                    outcome = run(
-                        out,
-                        chosen,
-                        executor,
-                        display,
-                        on_ready=on_ready,
-                        stages=graph,
-                        url=workers.store,
-                        retries=workers.retries,
-                    )
-            finally:
-                executor.close()
+    outcome = run_experiment(out, chosen, graph, workers, console)
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED

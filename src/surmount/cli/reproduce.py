@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-import os
-import signal
-from collections.abc import Callable, Generator
-from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import tyro
 from rich.console import Console
 
-from surmount.cli.display import RunDisplay
 from surmount.cli.films import films
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.cli.running import run_experiment
 from surmount.cli.summary import print_summary
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
-from surmount.core.store import sole_user
 from surmount.experiment import (
     ExperimentConfig,
-    GraphRunner,
-    begin,
     load_config,
     preset,
     protocol,
-    refuse_other,
-    run,
 )
 from surmount.report import write_report
 
@@ -71,27 +61,8 @@ def reproduce(
         changes["networks"] = seeds
     chosen = override(begun_with(obstacle, preset, out, resume=resume), changes)
     graph = protocol(chosen)
-    workers.check()
-    refuse_other(out, chosen)
     console = Console()
-    with sole_user(out):
-        begin(out, chosen)
-        with RunDisplay(console, out / "logs" / "run.log") as display:
-            executor = workers.make(display.listen)
-            try:
-                with stop_on_signals(display.note) as on_ready:
-                    outcome = run(
-                        out,
-                        chosen,
-                        executor,
-                        display,
-                        on_ready=on_ready,
-                        stages=graph,
-                        url=workers.store,
-                        retries=workers.retries,
-                    )
-            finally:
-                executor.close()
+    outcome = run_experiment(out, chosen, graph, workers, console)
     if outcome.interrupted:
         console.print(f"Stopped. Go on with: surmount reproduce --resume --out {out}")
         return INTERRUPTED
@@ -126,40 +97,3 @@ def begun_with(obstacle: str | None, scale: str, out: Path, *, resume: bool) -> 
             remedy="Name narrow-channel, low-entrance or step, or my_module:make_env.",
         )
     return preset(obstacle, scale)
-
-
-STOPPING = b"surmount: stopping at the next checkpoint; Ctrl-C again ends at once\n"
-
-
-@contextmanager
-def stop_on_signals(
-    note: Callable[[str], None],
-) -> Generator[Callable[[GraphRunner], None]]:
-    """Let the first Ctrl-C (or SIGTERM) save and stop a runner, and the second end at once.
-
-    Yields what is to be called with the runner; afterwards signals do what they did before, and
-    that the run was asked to stop is noted. A signal may arrive within any call, also one that
-    writes to the display or to the log: its handler uses neither.
-    """
-    runners: list[GraphRunner] = []
-    asked = False
-
-    def handle(_number: int, _frame: FrameType | None) -> None:
-        nonlocal asked
-        if asked:
-            os._exit(INTERRUPTED)  # workers see that their parent has gone, and end too
-        asked = True
-        with suppress(OSError):
-            os.write(2, STOPPING)
-        for runner in runners:
-            runner.stop()
-
-    signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, handle) for number in signals]
-    try:
-        yield runners.append
-    finally:
-        for number, previous in zip(signals, before, strict=True):
-            signal.signal(number, previous)
-        if asked:
-            note("was asked to stop")

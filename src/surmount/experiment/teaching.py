@@ -105,12 +105,13 @@ def _arm(
     config: ExperimentConfig, teacher: str, network: int, teaching: TeachersConfig
 ) -> list[Stage]:
     record = to_record(config)
+    own = _settings(teaching, teacher)
     name = training_stage(teacher, network)
     part: dict[str, Any] = {
         **task_part(config),
         **{key: record[key] for key in ("learner", "checkpoint_steps", "advancement", "analysis")},
         "teacher": teacher,
-        "teaching": {SETTINGS[teacher]: own} if (own := _settings(teaching, teacher)) else {},
+        "teaching": {SETTINGS[teacher]: own} if own else {},
     }
     train = Stage(
         name=name,

@@ -13,7 +13,7 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import SurmountError
 from surmount.core.tasks import TaskDistribution
 from surmount.own.making import cause, make_task_env, time_limit
-from surmount.own.probing import LONGEST_EPISODE, Episode, episode_of, raw_observation, same
+from surmount.own.probing import LONGEST_EPISODE, Episode, episode_of, same
 from surmount.own.task_env import TaskEnv, UntoldSuccessError
 
 EPISODES = 3
@@ -283,20 +283,10 @@ def _repeats(env: TaskEnv, task: FloatArray, seed: int) -> Finding:
 
 def _seeds_matter(env: TaskEnv, task: FloatArray, seed: int) -> Finding:
     """Two seeds, the same actions: where the episode begins must differ, or what happens in it."""
-    episodes: list[FloatArray] = []
-    for one in (seed, seed + 1):
-        env.reset(seed=one, options={"variant": task})
-        env.action_space.seed(0)
-        observations = [raw_observation(env)]
-        for _ in range(50):
-            _, _, terminated, truncated, _ = env.step(env.action_space.sample())
-            observations.append(raw_observation(env))
-            if terminated or truncated:
-                break
-        episodes.append(np.array(observations))
+    first, second = (episode_of(env, task, one, 50, action_seed=0) for one in (seed, seed + 1))
     return Finding(
         clause="seeds matter",
-        holds=not np.array_equal(episodes[0], episodes[1]),
+        holds=not np.array_equal(first.observations, second.observations),
         sentence="two seeds, the same actions",
         remedy="Let `reset` draw the start from `self.np_random`; else all trials of a policy "
         "without noise are one trial.",

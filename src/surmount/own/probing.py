@@ -42,20 +42,26 @@ class Episode:
 
 
 def episode_of(
-    env: TaskEnv, task: FloatArray, seed: int, longest: int = LONGEST_EPISODE
+    env: TaskEnv,
+    task: FloatArray,
+    seed: int,
+    longest: int = LONGEST_EPISODE,
+    *,
+    action_seed: int | None = None,
 ) -> Episode:
-    """Run one episode of random actions on a task; the actions depend on the seed alone.
+    """Run one episode of random actions on a task.
 
-    It is left after ``longest`` decisions where it has not ended by then.
+    The actions depend on ``action_seed`` alone, which is the episode's seed if not given. The
+    episode is left after ``longest`` decisions where it has not ended by then.
     """
     space = env.action_space
-    space.seed(seed)
+    space.seed(seed if action_seed is None else action_seed)
     _, info = env.reset(seed=seed, options={"variant": task})
-    observations, rewards, features = [raw_observation(env)], [], [info["features"]]
+    observations, rewards, features = [_raw(env)], [], [info["features"]]
     ended = False
     while not ended and len(rewards) < longest:
         _, reward, terminated, truncated, info = env.step(space.sample())
-        observations.append(raw_observation(env))
+        observations.append(_raw(env))
         rewards.append(float(reward))
         features.append(info["features"])
         ended = terminated or truncated
@@ -76,7 +82,7 @@ def same(first: Episode, second: Episode) -> bool:
     )
 
 
-def raw_observation(env: TaskEnv) -> FloatArray:
+def _raw(env: TaskEnv) -> FloatArray:
     """Return what the wrapped environment returned last as numbers, shape ``(observation,)``."""
     space, observation = env.env.observation_space, env.last_observation
     if isinstance(space, gymnasium.spaces.Dict | gymnasium.spaces.Tuple):

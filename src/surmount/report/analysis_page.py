@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from surmount.analysis import Analysis, describe_trust
 from surmount.analysis.explanation import describe_rule, link_table
 from surmount.report.document import Column, Document, Fold, Paragraph, Section, Table
 from surmount.report.grouping_section import grouping_section
 from surmount.report.summary import grouping_sentence, level_sentence
 from surmount.report.text import axis_label, integer, listed
+
+WORDS = 2
+"""Columns of the table of links that hold words; the others hold numbers."""
 
 
 def document_of_analysis(analysis: Analysis) -> Document:
@@ -34,30 +35,17 @@ def document_of_analysis(analysis: Analysis) -> Document:
 
 def _evidence(analysis: Analysis) -> Section:
     header, rows = link_table(analysis)
-    links = _table("Links of the dendrogram, lowest first", header, rows, words=2)
-    rule = describe_rule(analysis)
-    blocks: list[Fold | Table | Paragraph] = [
-        Paragraph(text=f"Linkage: {analysis.config.linkage}. {rule[0].upper()}{rule[1:]}"),
-        Fold(summary="Link by link", blocks=(links,)),
-    ]
-    return Section(anchor="evidence", title="The evidence", blocks=tuple(blocks))
-
-
-def _table(
-    title: str,
-    header: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    *,
-    words: int,
-    notes: tuple[str, ...] = (),
-) -> Table:
-    """Return a table whose first columns hold words, the others numbers."""
-    return Table(
+    links = Table(
         label="",
-        title=title,
+        title="Links of the dendrogram, lowest first",
         columns=tuple(
-            Column(heading=name, numeric=index >= words) for index, name in enumerate(header)
+            Column(heading=name, numeric=index >= WORDS) for index, name in enumerate(header)
         ),
         rows=tuple(tuple(row) for row in rows),
-        notes=notes,
     )
+    rule = describe_rule(analysis)
+    blocks = (
+        Paragraph(text=f"Linkage: {analysis.config.linkage}. {rule[0].upper()}{rule[1:]}"),
+        Fold(summary="Link by link", blocks=(links,)),
+    )
+    return Section(anchor="evidence", title="The evidence", blocks=blocks)

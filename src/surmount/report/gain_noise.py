@@ -42,6 +42,7 @@ def gain_noise(training: TrainingResult, window_steps: int) -> float | None:
     differences = np.diff(training.reward)[np.diff(level) == 0]
     if differences.size < FEWEST_DIFFERENCES:
         return None
-    variance = (NORMAL_MEDIAN * float(np.median(np.abs(differences)))) ** 2 / 2
+    # The difference of two roll-outs' means has the noise of two windows, as a gain has.
+    spread = NORMAL_MEDIAN * float(np.median(np.abs(differences)))
     rollout_steps = float(np.median(np.diff(training.steps, prepend=0)))
-    return math.sqrt(2 * variance * rollout_steps * window_steps)
+    return spread * math.sqrt(rollout_steps * window_steps)

@@ -153,12 +153,11 @@ def _first_level(results: RunResults) -> str:
 def _all_groups(comparison: Comparison | None) -> str:
     if comparison is None:
         return UNDEFINED
-    counts = [
-        [sum(getattr(entry.arms[arm], name) for entry in comparison.groups)
-         for name in ("successes", "trials")]
-        for arm in ARMS
-    ]  # fmt: skip
-    return " against ".join(f"{won} / {tried}" for won, tried in counts)
+    counts: list[str] = []
+    for arm in ARMS:
+        found = [entry.arms[arm] for entry in comparison.groups]
+        counts.append(f"{sum(s.successes for s in found)} / {sum(s.trials for s in found)}")
+    return " against ".join(counts)
 
 
 def _paper_range(paper: PaperGroup, analysis: Analysis | None) -> str:
