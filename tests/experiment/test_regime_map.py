@@ -1,5 +1,6 @@
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from small import SMALL
 
 from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError
-from surmount.experiment.regime_map import read_regime_map, regime, regime_stages
+from surmount.experiment.regime_map import judge, read_regime_map, regime, regime_stages
 
 ROOT = Path(__file__).parents[2]
 KEYS = "\n".join(
@@ -33,9 +34,9 @@ def test_a_map_runs_both_arms_in_every_cell_and_names_regimes_by_its_rule(tmp_pa
     for cell in record["cells"]:
         hard = np.array(cell["variants"]) <= 70
         means = {name: np.array(rows)[:, hard].mean() for name, rows in cell["success"].items()}
-        assert cell["hard"] == pytest.approx(means)
+        assert cell["hard"]["success"] == pytest.approx(means)
         assert cell["regime"] == regime(means["curriculum"], means["control"], 0.5)
-        assert cell["difference"]["estimate"] == pytest.approx(
+        assert cell["hard"]["difference"]["estimate"] == pytest.approx(
             means["curriculum"] - means["control"]
         )
     with (out / "regimes.csv").open() as file:
@@ -76,10 +77,31 @@ def test_regimes_are_told_by_who_solves_the_hard_variants(curriculum, control, e
     assert regime(curriculum, control, 0.5) == expected
 
 
-def test_the_published_map_is_read():
-    regimes = read_regime_map(ROOT / "docs/results/regime-map/step.toml")
-    assert {cell.config.env.robot.friction for cell in regimes.cells} == {0.7, 1.3}
-    assert len({cell.name for cell in regimes.cells}) == 6
+def test_a_cell_is_judged_on_the_hard_on_all_and_on_every_single_variant():
+    success = {
+        "initiation": np.zeros((2, 3)),
+        "curriculum": np.array([[1.0, 0.6, 0.2], [1.0, 0.6, 0.6]]),
+        "control": np.array([[1.0, 0.0, 0.0], [0.5, 0.0, 0.0]]),
+    }
+    judged = judge(success, np.array([21.0, 35.0, 50.0]), (30, 50), 0.5)
+    assert judged["hard"]["success"] == pytest.approx(
+        {"initiation": 0.0, "curriculum": 0.5, "control": 0.0}
+    )
+    assert judged["hard"]["difference"]["estimate"] == pytest.approx(0.5)
+    assert judged["all"]["difference"]["estimate"] == pytest.approx((1.8 - 1 + 2.2 - 0.5) / 6)
+    assert judged["regime"] == "curriculum only"
+    assert judged["regimes"] == ["both", "curriculum only", "neither"]
+
+
+def test_the_published_maps_are_read_and_differ_in_their_seed_alone():
+    first, again = (
+        read_regime_map(ROOT / "docs/results/regime-map" / name)
+        for name in ("step.toml", "step-again.toml")
+    )
+    assert {cell.config.env.robot.friction for cell in first.cells} == {0.7, 1.3}
+    assert len({cell.name for cell in first.cells}) == 6
+    for cell, other in zip(first.cells, again.cells, strict=True):
+        assert cell.config != other.config == replace(cell.config, seed=2030)
 
 
 @pytest.mark.parametrize(

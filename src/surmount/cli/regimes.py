@@ -65,15 +65,21 @@ def regimes(
 
 
 def _table(record: dict[str, Any]) -> Table:
-    table = Table(title="Success on the hard variants", title_justify="left")
-    keys = [axis["key"] for axis in record["axes"]]
+    table = Table(title="Success in % on the hard variants (on all)", title_justify="left")
+    keys = [axis["key"].rsplit(".", 1)[-1] for axis in record["axes"]]
     for column in (*keys, *TRAININGS, "who succeeds"):
         table.add_column(column)
     for cell in record["cells"]:
-        hard = cell.get("hard", {})
         table.add_row(
             *map(str, cell["values"]),
-            *(f"{100 * hard[kind]:.0f} %" if hard else "" for kind in TRAININGS),
+            *(_shares(cell, kind) for kind in TRAININGS),
             cell.get("regime", "not run"),
         )
     return table
+
+
+def _shares(cell: dict[str, Any], kind: str) -> str:
+    if "regime" not in cell:
+        return ""
+    hard, everything = (cell[part]["success"][kind] for part in ("hard", "all"))
+    return f"{100 * hard:.0f} ({100 * everything:.0f})"

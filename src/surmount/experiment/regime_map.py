@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.configuration import override
 from surmount.core.curriculum import Curriculum
@@ -191,10 +193,9 @@ def summarise_regimes(
     Returns
     -------
     list of dict
-        ``values`` of both axes; if the cell is finished, ``variants``, ``success`` (by initiation,
-        curriculum and control, shape ``(network, variant)``), ``hard`` (mean success on the hard
-        variants of each), ``difference`` (curriculum minus control over networks on the hard
-        variants, with a paired t interval), ``groups`` and ``regime``.
+        ``name`` and ``values`` of both axes; if the cell is finished, ``groups``, ``variants``,
+        ``success`` (by initiation, curriculum and control, shape ``(network, variant)``), and what
+        :func:`judge` says of them.
     """
     return [
         {"name": cell.name, "values": list(cell.values), **_outcome(regimes, cell, artefacts)}
@@ -210,6 +211,45 @@ def regime(curriculum: float, control: float, solved: float) -> str:
     if with_it:
         return "curriculum only"
     return "control only" if without else "neither"
+
+
+def judge(
+    success: Mapping[str, FloatArray], sizes: FloatArray, hard: tuple[float, float], solved: float
+) -> dict[str, Any]:
+    """Say who succeeds in a cell.
+
+    Parameters
+    ----------
+    success
+        Success rates after the initiation, with curriculum and without, ``(network, variant)``.
+    sizes
+        Task parameter of the variants, ``(variant,)``.
+    hard
+        Its lowest and highest value that is judged.
+    solved
+        Success rate from which an arm counts as successful.
+
+    Returns
+    -------
+    dict
+        ``hard`` and ``all``: for the hard and for all variants, the mean ``success`` of each
+        training and the ``difference``, curriculum minus control over networks, with a paired t
+        interval. ``regime`` by the hard variants, and ``regimes`` of the single variants.
+    """
+    parts = {"hard": _hard(hard, sizes), "all": np.full(sizes.shape, fill_value=True)}
+    outcome: dict[str, Any] = {}
+    for part, chosen in parts.items():
+        arms = [success[arm][:, chosen] for arm in ARMS]
+        outcome[part] = {
+            "success": {kind: float(rates[:, chosen].mean()) for kind, rates in success.items()},
+            "difference": network_difference(*arms, paired=True).to_record(),
+        }
+    with_it, without = (outcome["hard"]["success"][arm] for arm in ARMS)
+    single = zip(*(success[arm].mean(axis=0).tolist() for arm in ARMS), strict=True)
+    return outcome | {
+        "regime": regime(with_it, without, solved),
+        "regimes": [regime(one, other, solved) for one, other in single],
+    }
 
 
 def _outcome(regimes: RegimeMap, cell: Cell, artefacts: Mapping[str, Artefact]) -> dict[str, Any]:
@@ -228,21 +268,16 @@ def _outcome(regimes: RegimeMap, cell: Cell, artefacts: Mapping[str, Artefact]) 
         for kind, stages in wanted.items()
     }
     sizes = trials[ARMS[0]].variants()[0][:, 0]
-    chosen = _hard(regimes.hard, sizes)
     success = {kind: success_matrix(table) for kind, table in trials.items()}
-    hard = {kind: float(matrix[:, chosen].mean()) for kind, matrix in success.items()}
-    arms = [success[arm][:, chosen] for arm in ARMS]
     curriculum = Curriculum.load(artefacts[cell.stage(ANALYSIS)].path(CURRICULUM))
     return {
         "variants": sizes.tolist(),
-        "success": {kind: matrix.tolist() for kind, matrix in success.items()},
-        "hard": hard,
-        "difference": network_difference(arms[0], arms[1], paired=True).to_record(),
+        "success": {kind: rates.tolist() for kind, rates in success.items()},
         "groups": [
             {"name": group.name, "variants": group.variants[:, 0].tolist()}
             for group in curriculum.groups
         ],
-        "regime": regime(hard[ARMS[0]], hard[ARMS[1]], regimes.solved),
+        **judge(success, sizes, regimes.hard, regimes.solved),
     }
 
 
