@@ -90,6 +90,38 @@ def test_one_group_left_by_merging_is_not_called_a_lack_of_change():
     )
 
 
+def ordered(successes: dict[int, int]) -> tuple[list[str], list[str]]:
+    """Names of the groups by rank, and warnings, where so many trials of each variant succeed."""
+    trials = FAMILY.generate()
+    won = np.zeros(trials.n_trials, dtype=bool)
+    for variant, count in successes.items():
+        won[np.flatnonzero(trials.variant[:, 0] == variant)[:count]] = True
+    quick = dataclasses.replace(CONFIG, bootstrap=0, sensitivity=False, check_distances=False)
+    found = determine_curriculum(dataclasses.replace(trials, success=won), quick)
+    first = [f"{group.name} {group.variants[0, 0]:g}" for group in found.groups]
+    return first, [text for text in found.warnings if "easier" in text]
+
+
+def test_an_order_of_groups_that_success_does_not_tell_is_warned_of():
+    names, warnings = ordered({})
+    assert names == ["easy 100", "difficult 140"]
+    assert len(warnings) == 1
+    assert "No trial succeeded in the groups easy and difficult" in warnings[0]
+    names, warnings = ordered({170: 1})  # one trial turns the curriculum round
+    assert names == ["easy 140", "difficult 100"]
+    assert len(warnings) == 1
+    assert "1 of 40 and 0 of 40 trials succeeded" in warnings[0]
+    assert "p = 1.00" in warnings[0]
+
+
+def test_an_order_that_success_tells_or_that_has_no_level_is_not_warned_of():
+    # Of 40 and 40 trials: 2 C(40, 6) / C(80, 6) = 0.026, and 2 C(40, 5) / C(80, 5) = 0.055.
+    assert ordered({100: 6})[1] == []
+    assert len(ordered({100: 5})[1]) == 1
+    everything = dict.fromkeys(range(100, 180, 10), 20)
+    assert ordered(everything | {170: 19})[1] == []
+
+
 def test_checked_distances_are_those_of_pairs_and_their_errors_are_told(analysis: Analysis):
     check = analysis.check
     pair = check_hellinger(analysis.mixtures[5], analysis.mixtures[2], seed=CONFIG.seed)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
+from scipy.stats import fisher_exact
 
 from surmount.analysis.description import describe_variants
 from surmount.analysis.features import describe_variant
@@ -12,6 +14,8 @@ from surmount.analysis.result import Analysis
 from surmount.analysis.trust import unstable_parts
 
 _FEW_TRIALS = 10
+_TOLD_APART = 0.05
+"""Probability below which the success rates of two groups are told apart."""
 
 
 def analysis_warnings(analysis: Analysis) -> Analysis:
@@ -20,6 +24,7 @@ def analysis_warnings(analysis: Analysis) -> Analysis:
         *_about_data(analysis),
         *_about_fits(analysis),
         *_about_groups(analysis),
+        *_about_order(analysis),
         *_about_stability(analysis),
     ]
     return dataclasses.replace(analysis, warnings=tuple(found))
@@ -93,6 +98,38 @@ def _about_groups(analysis: Analysis) -> list[str]:
             f"{analysis.curriculum.success_threshold:.0%}: the curriculum has no levels."
         )
     return found
+
+
+def _about_order(analysis: Analysis) -> list[str]:
+    """Warn where the trials do not tell which of two neighbours in rank succeeds more often."""
+    threshold = analysis.curriculum.success_threshold
+    found: list[str] = []
+    for rank, (easier, harder) in enumerate(itertools.pairwise(analysis.groups)):
+        if harder.success_rate >= threshold:
+            continue  # neither has a level
+        (one, of_one), (other, of_other) = (_trials_won(analysis, rank + i) for i in (0, 1))
+        if one == other == 0:
+            found.append(
+                f"No trial succeeded in the groups {easier.name} and {harder.name}: they are "
+                "ranked in the order of their variants, and whether one is easier is unknown."
+            )
+            continue
+        table = [[one, of_one - one], [other, of_other - other]]
+        p_value = float(fisher_exact(table).pvalue)
+        if p_value >= _TOLD_APART:
+            found.append(
+                f"Whether the group {easier.name} is easier than {harder.name} is not sure: "
+                f"{one} of {of_one} and {other} of {of_other} trials succeeded, which chance "
+                f"alone may give (Fisher's exact test, p = {p_value:.2f}). Record more trials, or "
+                "order the levels by hand."
+            )
+    return found
+
+
+def _trials_won(analysis: Analysis, group: int) -> tuple[int, int]:
+    own = analysis.labels == group
+    total = analysis.n_trials[own]
+    return round(float(analysis.success_rate[own] @ total)), int(total.sum())
 
 
 def _about_stability(analysis: Analysis) -> list[str]:
