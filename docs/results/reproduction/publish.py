@@ -3,7 +3,8 @@
 The page, the same in Markdown, figures with their data, configuration and versions, curriculum,
 analysis and statistics; the outcome of every trial (``outcomes.parquet``); and of the first
 NETWORKS (two, as many as the paper had) what acting needs: ``surmount evaluate
-FOLDER/networks/curriculum-0.safetensors`` works at once.
+FOLDER/networks/curriculum-0.safetensors`` works at once. With 0 networks ``report.html``, which
+is large, is left out too.
 """
 
 from __future__ import annotations
@@ -27,8 +28,10 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
     page = write_report(root)
     run = open_run(root)
     (folder / "figures").mkdir(parents=True, exist_ok=True)
-    (folder / "networks").mkdir(exist_ok=True)
-    for path in (page, page.with_suffix(".md"), root / RUN):
+    if networks:
+        (folder / "networks").mkdir(exist_ok=True)
+        shutil.copy(page, folder)
+    for path in (page.with_suffix(".md"), root / RUN):
         shutil.copy(path, folder)
     for path in sorted((root / "figures").iterdir()):
         if path.suffix in {".png", ".csv"}:

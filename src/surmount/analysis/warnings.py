@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+from typing import Any, cast
 
 import numpy as np
 from scipy.stats import fisher_exact
@@ -115,7 +116,7 @@ def _about_order(analysis: Analysis) -> list[str]:
             )
             continue
         table = [[one, of_one - one], [other, of_other - other]]
-        p_value = float(fisher_exact(table).pvalue)
+        p_value = float(cast(Any, fisher_exact(table)).pvalue)
         if p_value >= _TOLD_APART:
             found.append(
                 f"Whether the group {easier.name} is easier than {harder.name} is not sure: "
