@@ -4,29 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trainings import ROLLOUT, TEST, training
 
-from surmount.core.teacher import LevelTest
 from surmount.report.gain_noise import gain_noise
-from surmount.report.results import TrainingResult
 
-ROLLOUT, WINDOW = 1_000, 4_000
-TEST = LevelTest(
-    level=0, iteration=0, steps=200 * ROLLOUT, first_window=0.0, last_window=0.0, first_gain=0.0,
-    newest_gain=0.0, ratio=None, threshold=0.1, decision="advance", sentence="",
-)  # fmt: skip
-
-
-def training(reward, tests=()) -> TrainingResult:
-    return TrainingResult(
-        steps=ROLLOUT * np.arange(1, reward.size + 1),
-        reward=reward,
-        success=(None,) * reward.size,
-        label=("",) * reward.size,
-        total_steps=ROLLOUT * reward.size,
-        episodes=1,
-        diverged_episodes=0,
-        level_tests=tuple(tests),
-    )
+WINDOW = 4_000
 
 
 def test_it_is_the_deviation_of_gains_between_windows_of_the_same_rewards():

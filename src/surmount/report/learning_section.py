@@ -9,6 +9,7 @@ from surmount.core.teacher import LevelTest
 from surmount.report.document import Block, Column, Fold, Notice, Paragraph, Section, Table
 from surmount.report.gain_noise import CLEAR, gain_noise
 from surmount.report.learning_figure import learning_curves
+from surmount.report.levels_left import levels_left_blocks
 from surmount.report.palette import ARM_STYLES
 from surmount.report.results import RunResults
 from surmount.report.text import MINUS, UNDEFINED, counted, integer, number, signed
@@ -29,6 +30,8 @@ def learning_section(results: RunResults) -> Section:
             Notice(title="Not there yet", sentences=("No network has finished its initiation.",))
         )
     blocks.append(training_table(results))
+    if results.analysis is not None:
+        blocks += levels_left_blocks(results.trainings["curriculum"], results.analysis.curriculum)
     blocks += level_tests(results)
     return Section(anchor="learning", title="Learning", blocks=tuple(blocks))
 

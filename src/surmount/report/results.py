@@ -29,6 +29,25 @@ PATHS = ("sprawl_deg", "fbem_deg")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class TrainingEpisodes:
+    """The episodes of one network's training, in the order in which they ended.
+
+    Attributes
+    ----------
+    steps
+        Learning steps since this training began, ``(episode,)``.
+    tasks
+        Shape ``(episode, parameter)``.
+    success
+        Shape ``(episode,)``.
+    """
+
+    steps: IntArray
+    tasks: FloatArray
+    success: BoolArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TrainingResult:
     """How one network's training went.
 
@@ -48,6 +67,8 @@ class TrainingResult:
         Every test of eq. 5, in order.
     skipped_updates, undone_rollouts
         Updates left out and roll-outs undone because numbers were not finite or exploded.
+    record
+        All its episodes; ``None`` where they were not recorded.
     """
 
     steps: IntArray
@@ -60,6 +81,7 @@ class TrainingResult:
     level_tests: tuple[LevelTest, ...]
     skipped_updates: int = 0
     undone_rollouts: int = 0
+    record: TrainingEpisodes | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -200,7 +222,21 @@ def _training(artefact: Artefact) -> TrainingResult:
             level_tests=tuple(
                 LevelTest(**cast(dict[str, Any], test)) for test in record["level_tests"]
             ),
+            record=_episodes(artefact),
             **{name: int(count) for name, count in record.get("faults", {}).items()},
+        )
+
+
+def _episodes(artefact: Artefact) -> TrainingEpisodes | None:
+    if "episodes.parquet" not in artefact.files:
+        return None
+    path = artefact.path("episodes.parquet")
+    with reading(path):
+        table = pl.read_parquet(path)
+        return TrainingEpisodes(
+            steps=table["steps"].to_numpy().astype(np.int64),
+            tasks=table.select(pl.col("^variant\\..*$")).to_numpy().astype(np.float64),
+            success=table["success"].to_numpy().astype(np.bool_),
         )
 
 

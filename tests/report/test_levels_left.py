@@ -1,0 +1,70 @@
+"""How far a level's own group was at its end, counted by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from trainings import TEST, training
+
+from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.report.document import Notice, Table
+from surmount.report.levels_left import levels_left, levels_left_blocks
+from surmount.report.results import TrainingEpisodes
+
+
+def group(name, low, high) -> Group:
+    box = Box(lower=np.array([low]), upper=np.array([high]), weight=1.0)
+    return Group(name=name, variants=np.array([[low]]), success_rate=0.5, boxes=(box,))
+
+
+CURRICULUM = Curriculum(
+    parameters=("height_mm",),
+    groups=(group("easy", 0.0, 10.0), group("difficult", 10.5, 20.0)),
+    levels=(
+        Level(dominant="easy", weights=(0.7, 0.3)),
+        Level(dominant="difficult", weights=(0.3, 0.7)),
+    ),
+    success_threshold=0.95,
+)
+EXTENDED = dataclasses.replace(TEST, steps=1_000, decision="extend")
+FIRST = dataclasses.replace(TEST, steps=2_000)
+SECOND = dataclasses.replace(TEST, level=1, steps=4_000)
+
+
+def taught(easy, difficult):
+    """A training whose episodes of each group are (steps, success)."""
+    rows = sorted([(*row, 5.0) for row in easy] + [(*row, 15.0) for row in difficult])
+    steps, success, tasks = map(np.array, zip(*rows, strict=True))
+    record = TrainingEpisodes(steps=steps, tasks=tasks[:, None], success=success.astype(bool))
+    tests = (EXTENDED, FIRST, SECOND)
+    return dataclasses.replace(training(np.zeros(9)), level_tests=tests, record=record)
+
+
+def test_only_the_newest_episodes_of_the_own_group_within_the_level_count():
+    easy = [(step, step > 500) for step in range(1, 2_001, 10)]  # the newest 50 succeed
+    easy += [(3_000, False)] * 60  # after the level
+    difficult = [(1_500, True)] * 60  # before its level
+    difficult += [(2_500, index < 5) for index in range(20)]
+    ends = levels_left(taught(easy, difficult), CURRICULUM)
+    assert [(end.level, end.success) for end in ends] == [(0, 1.0), (1, pytest.approx(0.25))]
+
+
+def test_levels_left_unmastered_are_warned_of_and_too_few_episodes_say_nothing():
+    mastered = taught([(100, True)] * 20, [(3_000, True)] * 20)
+    (table,) = levels_left_blocks({0: mastered}, CURRICULUM)
+    assert isinstance(table, Table)
+    assert [cell.replace("\u202f", " ").replace("\xa0", " ") for cell in table.rows[0]] == [
+        "0", "100 %", "100 %",
+    ]  # fmt: skip
+    short = taught([(100, False)] * 20, [(3_000, True)] * 9)
+    notice, table = levels_left_blocks({0: mastered, 1: short}, CURRICULUM)
+    assert isinstance(notice, Notice)
+    assert notice.sentences[0].startswith("1 of 3 levels ended before 95")
+    assert levels_left(short, CURRICULUM)[1].success is None
+
+
+def test_without_a_record_of_episodes_nothing_is_shown():
+    unknown = dataclasses.replace(training(np.zeros(9)), level_tests=(FIRST,))
+    assert levels_left_blocks({0: unknown}, CURRICULUM) == []
