@@ -11,13 +11,10 @@ from surmount.core.configuration import override
 from surmount.core.curriculum import Box, Curriculum, Group
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
+from surmount.core.training_episodes import TrainingEpisodes
 from surmount.core.trial_table import read_trials
 from surmount.experiment import begin, make_executor, preset, run
-from surmount.experiment.learning_speed import (
-    TrainingEpisodes,
-    steps_to_95,
-    success_in_training,
-)
+from surmount.experiment.learning_speed import steps_to_95, success_in_training
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.report.teachers_page import write_teachers_report

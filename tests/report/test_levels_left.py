@@ -9,9 +9,9 @@ import pytest
 from trainings import TEST, training
 
 from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.core.training_episodes import TrainingEpisodes
 from surmount.report.document import Notice, Table
 from surmount.report.levels_left import levels_left, levels_left_blocks
-from surmount.report.results import TrainingEpisodes
 
 
 def group(name, low, high) -> Group:
@@ -37,7 +37,9 @@ def taught(easy, difficult):
     """A training whose episodes of each group are (steps, success)."""
     rows = sorted([(*row, 5.0) for row in easy] + [(*row, 15.0) for row in difficult])
     steps, success, tasks = map(np.array, zip(*rows, strict=True))
-    record = TrainingEpisodes(steps=steps, tasks=tasks[:, None], success=success.astype(bool))
+    record = TrainingEpisodes(
+        budget=4_000, steps=steps, tasks=tasks[:, None], success=success.astype(bool)
+    )
     tests = (EXTENDED, FIRST, SECOND)
     return dataclasses.replace(training(np.zeros(9)), level_tests=tests, record=record)
 

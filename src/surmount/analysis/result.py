@@ -126,6 +126,11 @@ class Analysis:
         return Dendrogram(links=self.linkage)
 
     @property
+    def trials_won(self) -> IntArray:
+        """Successful trials of each variant, shape ``(variant,)``."""
+        return np.rint(self.success_rate * self.n_trials).astype(np.int64)
+
+    @property
     def not_converged(self) -> int:
         """Number of mixtures whose fit did not converge."""
         return sum(not mixture.converged for mixture in self.mixtures)

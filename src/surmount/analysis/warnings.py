@@ -129,8 +129,7 @@ def _about_order(analysis: Analysis) -> list[str]:
 
 def _trials_won(analysis: Analysis, group: int) -> tuple[int, int]:
     own = analysis.labels == group
-    total = analysis.n_trials[own]
-    return round(float(analysis.success_rate[own] @ total)), int(total.sum())
+    return int(analysis.trials_won[own].sum()), int(analysis.n_trials[own].sum())
 
 
 def _about_stability(analysis: Analysis) -> list[str]:

@@ -57,17 +57,16 @@ def regimes(
         with output_errors(out):
             write_record(out / MAP, record)
             write_regime_figure(record, out)
-    console.print(_table(record))
+    console.print(_table(record, [axis.name for axis in chosen.axes]))
     if outcome.interrupted:
         console.print("Stopped. Go on with the same command.")
         return INTERRUPTED
     return 0
 
 
-def _table(record: dict[str, Any]) -> Table:
+def _table(record: dict[str, Any], axes: list[str]) -> Table:
     table = Table(title="Success in % on the hard variants (on all)", title_justify="left")
-    keys = [axis["key"].rsplit(".", 1)[-1] for axis in record["axes"]]
-    for column in (*keys, *TRAININGS, "who succeeds"):
+    for column in (*axes, *TRAININGS, "who succeeds"):
         table.add_column(column)
     for cell in record["cells"]:
         table.add_row(

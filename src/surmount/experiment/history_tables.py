@@ -6,10 +6,10 @@ from pathlib import Path
 
 import polars as pl
 
+from surmount.core.training_episodes import EPISODES
 from surmount.learn import History
 
 HISTORY = "history.parquet"
-EPISODES = "episodes.parquet"
 
 
 def write_history(history: History, folder: Path) -> None:

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import polars as pl
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
-from surmount.core.records import read_record
 from surmount.core.regions import Regions
-from surmount.core.store import Artefact
-from surmount.experiment.history_tables import EPISODES
-from surmount.experiment.stages import TRAINING
+from surmount.core.training_episodes import TrainingEpisodes
 from surmount.stats import StepsToThreshold, steps_to_threshold
 
 EVALUATIONS = 40
@@ -23,40 +18,6 @@ WINDOW = 30
 """Newest episodes of a group that make its success in training."""
 FEWEST = 10
 """Episodes of a group below which its success in training counts as not known."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TrainingEpisodes:
-    """All episodes of one network's training.
-
-    Attributes
-    ----------
-    budget
-        Learning steps of the training.
-    steps
-        Learning steps at which each episode ended, ascending, ``(episode,)``.
-    tasks
-        Task of each, ``(episode, parameter)``.
-    success
-        Whether it succeeded, ``(episode,)``.
-    """
-
-    budget: int
-    steps: IntArray
-    tasks: FloatArray
-    success: BoolArray
-
-
-def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpisodes:
-    """Read the episodes of a training stage."""
-    table = pl.read_parquet(artefact.path(EPISODES))
-    columns = [f"variant.{name}" for name in parameters]
-    return TrainingEpisodes(
-        budget=int(read_record(artefact.path(TRAINING))["steps"]),
-        steps=table["steps"].to_numpy().astype(np.int64),
-        tasks=table.select(columns).to_numpy().astype(np.float64),
-        success=table["success"].to_numpy().astype(np.bool_),
-    )
 
 
 def steps_to_95(

@@ -26,6 +26,7 @@ from surmount.core.regions import Regions
 from surmount.core.run_layout import SCHEMA
 from surmount.core.store import Artefact
 from surmount.core.teacher import Teacher
+from surmount.core.training_episodes import TRAINING
 from surmount.core.trial_table import read_trials, write_trials
 from surmount.core.trials import Trials
 from surmount.envs import EnvConfig
@@ -46,7 +47,6 @@ from surmount.learn import (
 from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher
 
 NETWORK = "network.safetensors"
-TRAINING = "training.json"
 TRIALS = "trials.parquet"
 ANALYSIS = "analysis.json"
 CURRICULUM = "curriculum.json"

@@ -10,9 +10,10 @@ from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
 from surmount.core.run_layout import ARMS, SCHEMA
+from surmount.core.training_episodes import read_episodes
 from surmount.core.trials import Trials, success_rates
 from surmount.experiment.graph import StageContext
-from surmount.experiment.learning_speed import read_episodes, steps_to_95
+from surmount.experiment.learning_speed import steps_to_95
 from surmount.experiment.stages import CURRICULUM, pooled_trials
 from surmount.stats import (
     Bootstrap,

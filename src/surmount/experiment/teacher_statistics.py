@@ -12,13 +12,9 @@ from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
 from surmount.core.run_layout import SCHEMA
 from surmount.core.store import Artefact
+from surmount.core.training_episodes import TrainingEpisodes, read_episodes
 from surmount.experiment.graph import StageContext
-from surmount.experiment.learning_speed import (
-    WINDOW,
-    TrainingEpisodes,
-    read_episodes,
-    steps_to_95,
-)
+from surmount.experiment.learning_speed import WINDOW, steps_to_95
 from surmount.experiment.stages import ANALYSIS, pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.stats import (

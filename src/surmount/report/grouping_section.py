@@ -76,7 +76,7 @@ def group_table(analysis: Analysis) -> Table:
     for index, group in enumerate(analysis.groups):
         own = analysis.labels == index
         tried = int(analysis.n_trials[own].sum())
-        won = round(float((analysis.success_rate * analysis.n_trials)[own].sum()))
+        won = int(analysis.trials_won[own].sum())
         limits = proportion_intervals([won], [tried])
         rows.append(
             (

@@ -91,8 +91,7 @@ def levels_left_blocks(
         f"{short} of {counted(len(known), 'level')} ended before "
         f"{percent(curriculum.success_threshold)} of the newest episodes of their own group "
         "succeeded. Eq. 5 tests whether the reward still grows, not whether a group is mastered; "
-        "longer iterations "
-        "(`advancement.iteration_steps`) give a level more time."
+        "longer iterations (`advancement.iteration_steps`) give a level more time."
     )
     return [
         Notice(title="Levels left before their group was mastered", sentences=(sentence,)),

@@ -19,6 +19,7 @@ from surmount.core.run_folder import RunFolder, open_run
 from surmount.core.run_layout import TRAININGS, TRIALS, read_run_record
 from surmount.core.store import Artefact
 from surmount.core.teacher import LevelTest
+from surmount.core.training_episodes import EPISODES, TrainingEpisodes, read_episodes
 from surmount.core.trial_table import read_trials
 from surmount.core.trials import Trials, success_rates
 from surmount.report.comparison import Comparison, comparison_of
@@ -26,25 +27,6 @@ from surmount.report.film_section import FilmedTrial, read_films
 
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TrainingEpisodes:
-    """The episodes of one network's training, in the order in which they ended.
-
-    Attributes
-    ----------
-    steps
-        Learning steps since this training began, ``(episode,)``.
-    tasks
-        Shape ``(episode, parameter)``.
-    success
-        Shape ``(episode,)``.
-    """
-
-    steps: IntArray
-    tasks: FloatArray
-    success: BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,7 +50,7 @@ class TrainingResult:
     skipped_updates, undone_rollouts
         Updates left out and roll-outs undone because numbers were not finite or exploded.
     record
-        All its episodes; ``None`` where they were not recorded.
+        All its episodes; ``None`` where they were not recorded, or there were no levels.
     """
 
     steps: IntArray
@@ -166,7 +148,8 @@ def read_run(root: Path) -> RunResults:
         comparison=comparison,
         trainings={
             kind: {
-                network: _training(artefact) for network, artefact in folder.numbered(kind).items()
+                network: _training(artefact, analysis)
+                for network, artefact in folder.numbered(kind).items()
             }
             for kind in TRAININGS
         },
@@ -201,7 +184,7 @@ def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
         )
 
 
-def _training(artefact: Artefact) -> TrainingResult:
+def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
     path, table = artefact.path("training.json"), artefact.path("history.parquet")
     record = read_run_record(path)
     with reading(table):
@@ -222,22 +205,16 @@ def _training(artefact: Artefact) -> TrainingResult:
             level_tests=tuple(
                 LevelTest(**cast(dict[str, Any], test)) for test in record["level_tests"]
             ),
-            record=_episodes(artefact),
+            record=_episodes(artefact, analysis) if record["level_tests"] else None,
             **{name: int(count) for name, count in record.get("faults", {}).items()},
         )
 
 
-def _episodes(artefact: Artefact) -> TrainingEpisodes | None:
-    if "episodes.parquet" not in artefact.files:
+def _episodes(artefact: Artefact, analysis: Analysis | None) -> TrainingEpisodes | None:
+    if analysis is None or EPISODES not in artefact.files:
         return None
-    path = artefact.path("episodes.parquet")
-    with reading(path):
-        table = pl.read_parquet(path)
-        return TrainingEpisodes(
-            steps=table["steps"].to_numpy().astype(np.int64),
-            tasks=table.select(pl.col("^variant\\..*$")).to_numpy().astype(np.float64),
-            success=table["success"].to_numpy().astype(np.bool_),
-        )
+    with reading(artefact.path(EPISODES)):
+        return read_episodes(artefact, analysis.parameters)
 
 
 def _tests(artefacts: Mapping[int, Artefact]) -> Outcomes:

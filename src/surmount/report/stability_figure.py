@@ -86,8 +86,7 @@ def _share(analysis: Analysis) -> str:
 
 
 def _limits(analysis: Analysis) -> ProportionIntervals:
-    won = np.rint(analysis.success_rate * analysis.n_trials).astype(np.int64)
-    return proportion_intervals(won, analysis.n_trials)
+    return proportion_intervals(analysis.trials_won, analysis.n_trials)
 
 
 def _success_panel(analysis: Analysis, stability: Stability) -> go.Figure:

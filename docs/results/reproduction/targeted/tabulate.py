@@ -15,9 +15,6 @@ import polars as pl
 
 from surmount.core.curriculum import Curriculum
 from surmount.core.regions import Regions
-from surmount.core.run_layout import ANALYSIS
-from surmount.experiment.learning_speed import read_episodes
-from surmount.experiment.stages import CURRICULUM
 from surmount.report.gain_noise import CLEAR, gain_noise
 from surmount.report.results import RunResults, read_run
 
@@ -29,18 +26,18 @@ def levels(results: RunResults) -> list[dict[str, Any]]:
     """Return one row per network and level."""
     curriculum, settings = _curriculum(results), _settings(results)
     rows: list[dict[str, Any]] = []
-    for network, artefact in sorted(results.folder.numbered("curriculum").items()):
-        training = results.trainings["curriculum"][network]
+    names = [group.name for group in curriculum.groups]
+    for network, training in sorted(results.trainings["curriculum"].items()):
         noise = gain_noise(training, settings["window_steps"])
-        episodes = read_episodes(artefact, curriculum.parameters)
+        episodes = training.record
         groups = Regions.of(curriculum).index(episodes.tasks)
         begun = 0
         for level in sorted({test.level for test in training.level_tests}):
             tests = [test for test in training.level_tests if test.level == level]
             first, last = tests[0], tests[-1]
             since = max(begun, last.steps - NEWEST_STEPS)
-            weights = curriculum.levels[level].weights
-            own = (groups == weights.index(max(weights))) & (episodes.steps > since)
+            own = groups == names.index(curriculum.levels[level].dominant)
+            own &= episodes.steps > since
             own &= episodes.steps <= last.steps
             clear = None if noise is None else abs(first.first_gain) >= CLEAR * noise
             rows.append(settings | {
@@ -79,7 +76,7 @@ def success(results: RunResults) -> list[dict[str, Any]]:
 
 
 def _curriculum(results: RunResults) -> Curriculum:
-    return Curriculum.load(results.folder.stages[ANALYSIS].path(CURRICULUM))
+    return results.analysis.curriculum
 
 
 def _settings(results: RunResults) -> dict[str, int]:
