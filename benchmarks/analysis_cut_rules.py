@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -23,10 +24,12 @@ from surmount.analysis.agreement import adjusted_rand
 from surmount.analysis.cut import link_gaps
 from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.features import variant_samples
-from surmount.analysis.fitting import Prepared, mixture_of
+from surmount.analysis.fitting import FitSamples, mixture_of
 from surmount.analysis.groups import merge_small
 from surmount.analysis.sensitivity import group_variants
-from surmount.analysis.synthetic import SyntheticFamily
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+from synthetic_trials import SyntheticFamily
 
 KINDS = {
     "plain": "2-6 behaviours of 3-7 variants",
@@ -215,7 +218,7 @@ def distances(case, components=8, max_samples=2_000):
     config = AnalysisConfig(restarts=1, max_samples=max_samples)
     data = variant_samples(case.generate(), config)
     scaling = data.features.scaling
-    fits = [Prepared(z).fit(components, config, 0) for z in data.samples]
+    fits = [FitSamples(z).fit(components, config, 0) for z in data.samples]
     return hellinger_matrix([mixture_of(fit, scaling, config, components) for fit in fits])
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from analysis_cut_rules import KINDS, family, scores
 from surmount import AnalysisConfig, hellinger_matrix
 from surmount.analysis.features import variant_samples
-from surmount.analysis.fitting import Prepared, mixture_of
+from surmount.analysis.fitting import FitSamples, mixture_of
 
 CUT_OFFS = (1.4, 1.5, 1.6, 1.7, 1.8)
 CONFIG = AnalysisConfig(components=8, restarts=1, max_samples=2_000)
@@ -30,7 +30,7 @@ def fitted(data, keep):
     scaling = data.features.scaling
     return hellinger_matrix(
         [
-            mixture_of(Prepared(z[keep[trial]]).fit(8, CONFIG, 0), scaling, CONFIG, 8)
+            mixture_of(FitSamples(z[keep[trial]]).fit(8, CONFIG, 0), scaling, CONFIG, 8)
             for z, trial in zip(data.samples, data.trial, strict=True)
         ]
     )

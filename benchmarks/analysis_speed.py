@@ -21,6 +21,7 @@ import resource
 import sys
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 from sklearn.exceptions import ConvergenceWarning
@@ -30,9 +31,11 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import plain_analysis
 from surmount import AnalysisConfig, Mixture, determine_curriculum, hellinger_matrix
 from surmount.analysis.expectation_maximisation import expand, maximise_likelihood
-from surmount.analysis.fitting import Prepared, bic_curve
-from surmount.analysis.starts import start_components
-from surmount.analysis.synthetic import SyntheticFamily
+from surmount.analysis.fitting import FitSamples, bic_curve
+from surmount.analysis.initialisation import start_components
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+from synthetic_trials import SyntheticFamily
 
 
 def seconds(call):
@@ -100,7 +103,7 @@ def sweep(repeats):
     lowest = {}
 
     def ours():
-        time_s, curve = seconds(lambda: bic_curve(Prepared(x), config, 0))
+        time_s, curve = seconds(lambda: bic_curve(FitSamples(x), config, 0))
         lowest["ours"] = (min(curve.values), curve.minimum)
         return time_s
 

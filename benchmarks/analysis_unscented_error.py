@@ -13,8 +13,8 @@ import sys
 
 import numpy as np
 
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import check_hellinger
-from surmount.core.mixture import Mixture
 
 SHIFTS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
 PAIRS = 6

@@ -30,14 +30,15 @@ import torch
 from matplotlib.figure import Figure
 
 from surmount.core.configuration import override
-from surmount.core.monitor import SilentMonitor
 from surmount.core.records import write_record
-from surmount.experiment import GraphRunner, make_executor, preset
-from surmount.experiment.graph import Stage, check_graph, dependencies
+from surmount.experiment import make_executor, preset
 from surmount.experiment.task_family import obstacle_family
 from surmount.experiment.teaching import comparison_graph
 from surmount.learn import Actor, RolloutConfig, Trainer, roll_out
 from surmount.teachers import TEACHERS, TeachersConfig, UniformTeacher
+from surmount.workflow import GraphRunner
+from surmount.workflow.graph import Stage, check_graph, dependencies
+from surmount.workflow.monitor import SilentMonitor
 
 OBSTACLES = ("narrow-channel", "low-entrance", "step")
 NETWORKS = 10

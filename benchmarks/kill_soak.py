@@ -26,10 +26,10 @@ import time
 from pathlib import Path
 
 from surmount.core.configuration import override
-from surmount.core.monitor import Progress
 from surmount.core.records import file_hash
-from surmount.core.store import sole_user
 from surmount.experiment import begin, make_executor, preset, run
+from surmount.workflow.monitor import Progress
+from surmount.workflow.store import sole_user
 
 CHANGES = {
     "networks": 2,

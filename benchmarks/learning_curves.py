@@ -20,10 +20,10 @@ import numpy as np
 import torch
 
 from stock_ppo import EpisodeLog, stock_learner
-from surmount.core.monitor import SilentMonitor
-from surmount.envs import ObstacleVectorEnv
 from surmount.learn import LearnerConfig, Trainer
+from surmount.rstar.course import ObstacleVectorEnv
 from surmount.teachers import UniformTeacher
+from surmount.workflow.monitor import SilentMonitor
 
 NAMES = ("Surmount", "stock SB3")
 

@@ -21,11 +21,11 @@ import torch
 from matplotlib.figure import Figure
 
 from surmount.core.configuration import override
-from surmount.core.monitor import SilentMonitor
 from surmount.experiment import preset
 from surmount.experiment.task_family import obstacle_family
 from surmount.learn import Checkpointing, Trainer
 from surmount.teachers import UniformTeacher
+from surmount.workflow.monitor import SilentMonitor
 
 CHANGES = {
     "env.decision_interval_s": 0.005,

@@ -23,6 +23,7 @@ from __future__ import annotations
 import argparse
 import json
 import multiprocessing
+import sys
 import time
 from pathlib import Path
 
@@ -30,8 +31,10 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from surmount.core import configuration
-from surmount.envs import OBSTACLES, EnvConfig, ObstacleVectorEnv
-from surmount.envs.soundness import Soundness
+from surmount.rstar.course import OBSTACLES, EnvConfig, ObstacleVectorEnv
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+from soundness import Soundness
 
 NUM_ENVS = 36
 PIECE = 100_000

@@ -37,12 +37,12 @@ import numpy as np
 from mujoco.batch import Batch
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
-import surmount.envs  # noqa: F401  (registers the environments)
-from surmount.envs import EnvConfig, ObstacleEnv, ObstacleVectorEnv
-from surmount.envs.episodes import Episodes
-from surmount.envs.observations import Observer
-from surmount.envs.rewards import Reward
-from surmount.envs.simulation import Simulation
+import surmount.rstar.course  # noqa: F401  (registers the environments)
+from surmount.rstar.course import EnvConfig, ObstacleEnv, ObstacleVectorEnv
+from surmount.rstar.course.episodes import Episodes
+from surmount.rstar.course.observations import Observer
+from surmount.rstar.course.rewards import Reward
+from surmount.rstar.course.simulation import Simulation
 
 OBSTACLE, GYM_ID = "step", "surmount/Step-v0"
 OPTIONS = {"start": "fixed", "variant": 30.0}
@@ -268,7 +268,7 @@ def memory(args):
     del args
     # Not getrusage: what it says of a process begins with the peak of the process that began it.
     code = (
-        "import re; from surmount.envs import ObstacleVectorEnv\n"
+        "import re; from surmount.rstar.course import ObstacleVectorEnv\n"
         "env = ObstacleVectorEnv('step', {}, n_threads=2); env.reset(seed=0)\n"
         "for _ in range(20): env.step(env.action_space.sample())\n"
         "print(re.search(r'VmHWM:\\s+(\\d+) kB', open('/proc/self/status').read())[1])"

@@ -7,8 +7,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import VecNormalize
 
-from surmount.envs import ObstacleEnv
-from surmount.learn.perceptron import ACTIVATIONS
+from surmount.learn.mlp import ACTIVATIONS
+from surmount.rstar.course import ObstacleEnv
 
 
 def stock_learner(obstacle, config, seed):

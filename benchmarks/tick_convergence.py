@@ -17,11 +17,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import binomtest
 
-from surmount.envs import EnvConfig, find_obstacle
-from surmount.envs.manoeuvre import Manoeuvre
-from surmount.envs.manoeuvre_search import LOWER, UPPER, try_out
-from surmount.envs.manoeuvre_templates import templates
-from surmount.envs.simulation import Simulation
+from surmount.rstar.course import EnvConfig, find_obstacle
+from surmount.rstar.course.simulation import Simulation
+from surmount.rstar.manoeuvres.manoeuvre import Manoeuvre
+from surmount.rstar.manoeuvres.search import LOWER, UPPER, try_out
+from surmount.rstar.manoeuvres.templates import templates
 
 TICKS_MS = (5.0, 2.5, 1.25, 0.625, 0.3125)
 QUARTER = 2

@@ -33,12 +33,12 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
 from stock_ppo import stock_learner
-from surmount.core.monitor import Interrupted, SilentMonitor
-from surmount.envs import ObstacleEnv, ObstacleVectorEnv
 from surmount.learn import LearnerConfig, Trainer
-from surmount.learn.collection import Collection
 from surmount.learn.ppo import ResumablePPO
+from surmount.learn.rollout_collector import RolloutCollector
+from surmount.rstar.course import ObstacleEnv, ObstacleVectorEnv
 from surmount.teachers import UniformTeacher
+from surmount.workflow.monitor import Interrupted, SilentMonitor
 
 CONFIG = LearnerConfig()
 STEPS = CONFIG.steps_per_rollout
@@ -50,8 +50,8 @@ PARTS = (
     (
         "inference and sampling",
         [
-            (Collection, "act"),
-            (Collection, "finish"),
+            (RolloutCollector, "act"),
+            (RolloutCollector, "finish"),
             (ActorCriticPolicy, "forward"),
             (ActorCriticPolicy, "predict_values"),
         ],

@@ -9,9 +9,9 @@ included.
 import gymnasium
 import numpy as np
 
-import surmount.envs  # noqa: F401  (registers the courses)
-from surmount.core.tasks import TaskDistribution
-from surmount.envs import EnvConfig
+import surmount.rstar.course  # noqa: F401  (registers the courses)
+from surmount.rstar.course import EnvConfig
+from surmount.tasks.distribution import TaskDistribution
 
 GYM_ID = "surmount/NarrowChannel-v0"
 NARROW = TaskDistribution.uniform(("width_mm",), np.array([180.0]), np.array([220.0]))

@@ -7,8 +7,8 @@ surmount reproduce lunar_lander:make_env --preset smoke --out runs/lander
 import gymnasium
 import numpy as np
 
-from surmount.core.task_space import TaskSpace
-from surmount.own import TaskEnv
+from surmount.envs import TaskEnv
+from surmount.tasks.space import TaskSpace
 
 
 def set_task(env, task):
@@ -21,11 +21,11 @@ def make_env():
         gymnasium.make("LunarLanderContinuous-v3", enable_wind=True, max_episode_steps=400),
         space=TaskSpace.grid(gravity_mps2=np.linspace(4, 11, 4), wind_power=np.linspace(0, 15, 4)),
         set_task=set_task,
-        success=lambda moment: moment.terminated and moment.reward >= 100,  # at rest
+        success=lambda transition: transition.terminated and transition.reward >= 100,  # at rest
         features={
-            "x": lambda moment: moment.observation[0],
-            "y": lambda moment: moment.observation[1],
-            "tilt_rad": lambda moment: moment.observation[4],
+            "x": lambda transition: transition.observation[0],
+            "y": lambda transition: transition.observation[1],
+            "tilt_rad": lambda transition: transition.observation[4],
         },
         observe_task=True,
     )

@@ -11,8 +11,8 @@ from stable_baselines3.common.env_util import make_vec_env
 
 import lunar_lander
 from surmount import Curriculum
-from surmount.core.regions import Regions
 from surmount.learn import TeacherCallback
+from surmount.tasks.regions import Regions
 from surmount.teachers import AdvancementConfig, LevelTeacher
 
 

@@ -9,8 +9,8 @@ surmount reproduce uphill_cheetah:make_env --preset smoke --out runs/cheetah
 import gymnasium
 import numpy as np
 
-from surmount.core.task_space import TaskSpace
-from surmount.own import TaskEnv
+from surmount.envs import TaskEnv
+from surmount.tasks.space import TaskSpace
 
 GRAVITY_MPS2 = 9.81
 GOAL_M = 2.0
@@ -26,11 +26,11 @@ def make_env():
         gymnasium.make("HalfCheetah-v5", max_episode_steps=200),
         space=TaskSpace.grid(slope_deg=np.linspace(0, 30, 7), harder={"slope_deg": 1}),
         set_task=set_task,
-        success=lambda moment: moment.info["x_position"] >= GOAL_M,
+        success=lambda transition: transition.info["x_position"] >= GOAL_M,
         features={
             "x_m": "x_position",
-            "height_m": lambda moment: moment.observation[0],
-            "pitch_rad": lambda moment: moment.observation[1],
+            "height_m": lambda transition: transition.observation[0],
+            "pitch_rad": lambda transition: transition.observation[1],
         },
         end_on_success=True,
         observe_task=True,

@@ -10,11 +10,11 @@ from small import SMALL, Watcher
 
 from surmount.analysis import Analysis
 from surmount.core.configuration import override
-from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.envs import check_contract
 from surmount.experiment import begin, make_executor, preset
 from surmount.experiment import run as run_stages
-from surmount.own import check_contract
 from surmount.report import write_report
+from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
 

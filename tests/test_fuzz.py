@@ -21,11 +21,11 @@ from surmount.analysis import AnalysisConfig
 from surmount.cli.main import VERBS, run
 from surmount.core.configuration import dotted_keys, from_record, override, read_overrides
 from surmount.core.configuration import to_record as record_of
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import SurmountError
 from surmount.core.records import read_record
-from surmount.core.trial_table import read_trials, trials_from_table
 from surmount.experiment import ExperimentConfig, load_config, preset
+from surmount.tasks.curriculum import Curriculum
+from surmount.trials.table import read_trials, trials_from_table
 
 CASES = int(os.environ.get("SURMOUNT_FUZZ_CASES", "1000"))
 

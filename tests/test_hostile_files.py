@@ -16,22 +16,22 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from example_trials import two_behaviours
 from small import content, run_first_stages, small_config
 
-from example_trials import two_behaviours
 from surmount.cli.main import run
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError, IntegrityError, OutputError, SurmountError
 from surmount.core.records import read_record, write_atomically, write_record
-from surmount.core.run_folder import open_run
-from surmount.core.store import ArtefactStore, sole_user
-from surmount.core.trial_table import read_trials, write_trials
-from surmount.envs import EnvConfig
-from surmount.experiment import Depot
-from surmount.experiment.object_store import ObjectStore
 from surmount.experiment.task_family import obstacle_family
 from surmount.learn import Actor, Snapshot
-from surmount.report.stills import csv_text
+from surmount.report.figures.stills import csv_text
+from surmount.rstar.course import EnvConfig
+from surmount.tasks.curriculum import Curriculum
+from surmount.trials.table import read_trials, write_trials
+from surmount.workflow import ArtefactStore
+from surmount.workflow.object_store import ObjectStore
+from surmount.workflow.run_folder import open_run
+from surmount.workflow.store import LocalStore, sole_user
 
 KEY = "k" * 64
 
@@ -137,7 +137,7 @@ def test_few_bytes_that_stand_for_many_rows_are_refused(capsys, tmp_path, monkey
     pl.select(**rows).write_parquet(path, compression="zstd")
     assert path.stat().st_size < 100_000
     pages = {"SC_PHYS_PAGES": 15_000, "SC_PAGE_SIZE": 4096}  # 61 MB; the table needs 80 MB
-    monkeypatch.setattr("surmount.core.table_file.os.sysconf", pages.__getitem__)
+    monkeypatch.setattr("surmount.trials.table_file.os.sysconf", pages.__getitem__)
     code, err = call(capsys, "analyze", path, "--out", tmp_path / "out")
     assert code == 3
     assert "2,000,000 rows of 5 columns" in err
@@ -186,7 +186,7 @@ def test_paths_that_lead_out_are_refused(capsys, copied, tmp_path):
 
 @pytest.mark.parametrize("name", ["../escaped", "/escaped", "a/../../escaped", "a\\..\\b", ""])
 def test_a_manifest_cannot_name_files_outside_its_folder(tmp_path, name):
-    far, near = ArtefactStore(tmp_path / "far"), ArtefactStore(tmp_path / "near" / "deep")
+    far, near = LocalStore(tmp_path / "far"), LocalStore(tmp_path / "near" / "deep")
     workspace = far.workspace("stage", KEY)
     (workspace / "file").write_text("x", encoding="utf-8")
     artefact = far.commit(workspace, "stage", KEY, inputs={})
@@ -232,7 +232,7 @@ def test_a_stage_that_is_a_link_is_refused(copied, tmp_path):
     folder.symlink_to(tmp_path / "elsewhere")
     key = read_record(folder / "manifest.json")["key"]
     with pytest.raises(IntegrityError, match="is a link"):
-        ArtefactStore(copied).find("trials/network-0", key)
+        LocalStore(copied).find("trials/network-0", key)
 
 
 HOSTILE = "<img src=x onerror=alert(1)></script><script>alert(2)</script>"
@@ -280,11 +280,11 @@ def test_names_that_act_on_a_terminal_are_refused(tmp_path, name):
 
 
 def test_an_object_store_in_memory_keeps_and_gives_back_the_same_bytes(tmp_path):
-    here = Depot(root=tmp_path / "here", url="memory://run")
+    here = ArtefactStore(root=tmp_path / "here", url="memory://run")
     workspace = here.store.workspace("stage", KEY)
     (workspace / "file").write_bytes(b"data")
     made = here.commit(workspace, "stage", KEY, inputs={})
-    there = Depot(root=tmp_path / "there", url="memory://run")
+    there = ArtefactStore(root=tmp_path / "there", url="memory://run")
     found = there.find("stage", KEY)
     assert found is not None
     assert found.content_hash == made.content_hash
@@ -296,14 +296,14 @@ def test_an_object_store_in_memory_keeps_and_gives_back_the_same_bytes(tmp_path)
 
 
 def test_a_file_changed_in_the_object_store_is_refused(tmp_path):
-    here = Depot(root=tmp_path / "here", url=f"file://{tmp_path}/store")
+    here = ArtefactStore(root=tmp_path / "here", url=f"file://{tmp_path}/store")
     workspace = here.store.workspace("stage", KEY)
     (workspace / "file").write_bytes(b"data")
     here.commit(workspace, "stage", KEY, inputs={})
     (stored,) = (tmp_path / "store").rglob("file")
     stored.write_bytes(b"dat4")
     with pytest.raises(IntegrityError, match="object store was changed") as caught:
-        Depot(root=tmp_path / "there", url=here.url).find("stage", KEY)
+        ArtefactStore(root=tmp_path / "there", url=here.url).find("stage", KEY)
     assert "Delete" in caught.value.remedy
     assert not list((tmp_path / "there").rglob("manifest.json"))
 
@@ -329,7 +329,7 @@ write_report(run_first_stages(Path(sys.argv[1]), small_config()))
 """
     here = Path(__file__).parent
     done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", program, str(tmp_path / "run"), str(here / "experiment")],
+        [sys.executable, "-c", program, str(tmp_path / "run"), str(here / "support")],
         capture_output=True,
         text=True,
         check=False,

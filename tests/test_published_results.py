@@ -12,8 +12,8 @@ import pytest
 
 from surmount.analysis import Analysis
 from surmount.cli.main import run
-from surmount.core.curriculum import Curriculum
-from surmount.core.trial_table import read_trials
+from surmount.tasks.curriculum import Curriculum
+from surmount.trials.table import read_trials
 
 PUBLISHED = Path(__file__).parents[1] / "docs/results/reproduction"
 RUNS = ("narrow-channel", "low-entrance", "step")

@@ -6,10 +6,10 @@ import re
 from pathlib import Path
 
 import pytest
-
 from example_trials import two_behaviours
+
 from surmount.cli.main import run
-from surmount.core.trial_table import write_trials
+from surmount.trials.table import write_trials
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)

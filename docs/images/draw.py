@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from surmount.envs.film import FilmConfig, contact_sheet, frames
 from surmount.envs.video import write_gif, write_png
-from surmount.experiment.footage import Wanted, motions
+from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
+from surmount.rstar.film.footage import Wanted, motions
 
 STILLS = (
     ("narrow-channel", "front", 0.70),

@@ -8,12 +8,12 @@ from surmount.analysis import (
     hellinger,
     hellinger_matrix,
 )
-from surmount.core.curriculum import Box, Curriculum, Group, Level
+from surmount.analysis.mixture import Mixture
 from surmount.core.errors import SurmountError
-from surmount.core.mixture import Mixture
-from surmount.core.tasks import TaskDistribution
-from surmount.core.trial_table import read_trials, trials_from_table, write_trials
-from surmount.core.trials import Trials
+from surmount.tasks.curriculum import Box, Curriculum, Group, Level
+from surmount.tasks.distribution import TaskDistribution
+from surmount.trials.table import read_trials, trials_from_table, write_trials
+from surmount.trials.trials import Trials
 
 __all__ = [
     "Analysis",

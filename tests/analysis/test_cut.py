@@ -7,18 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.metrics import adjusted_rand_score, silhouette_score
+from strategies import seeds
+from synthetic_trials import SyntheticFamily
 
 from surmount import AnalysisConfig
 from surmount.analysis.agreement import adjusted_rand
 from surmount.analysis.cut import abruptness, cut_dendrogram, mean_silhouette, separation
 from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.features import variant_samples
-from surmount.analysis.fitting import Prepared, mixture_of
+from surmount.analysis.fitting import FitSamples, mixture_of
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.sensitivity import group_variants
-from surmount.analysis.synthetic import SyntheticFamily
-
-from .strategies import seeds
 
 LINKAGES = ("average", "complete", "single", "weighted", "ward")
 
@@ -98,7 +97,7 @@ def test_variants_half_way_do_not_hide_an_abrupt_change():
 def groups_of(family):
     config = AnalysisConfig(components=8, restarts=1, max_samples=2_000)
     data = variant_samples(family.generate(), config)
-    fits = [Prepared(samples).fit(8, config, 0) for samples in data.samples]
+    fits = [FitSamples(samples).fit(8, config, 0) for samples in data.samples]
     mixtures = [mixture_of(fit, data.features.scaling, config, 8) for fit in fits]
     return group_variants(hellinger_matrix(mixtures), config)
 

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from surmount import Analysis, AnalysisConfig, Trials, determine_curriculum
 from surmount.analysis import explain_analysis
 from surmount.core.errors import ConfigError, InputError
-
-from .strategies import seeds
 
 QUICK = AnalysisConfig(
     components=3, restarts=1, bootstrap=3, bootstrap_samples=50, min_samples_per_component=5

@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.cluster import hierarchy
 from scipy.spatial.distance import pdist, squareform
+from strategies import seeds
 
 from surmount.analysis.dendrogram import build_dendrogram, relabelled
-
-from .strategies import seeds
 
 
 def distances(seed: int, n: int) -> np.ndarray:

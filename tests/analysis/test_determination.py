@@ -7,9 +7,9 @@ import json
 
 import numpy as np
 import pytest
+from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, Curriculum, Trials, determine_curriculum
-from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.errors import InputError
 
 QUICK = AnalysisConfig(components=4, restarts=1, bootstrap=4, bootstrap_samples=200)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.mixture import GaussianMixture
+from strategies import counts, dimensions, random_mixture, seeds
 
 from surmount import fit_mixture
 from surmount.analysis.expectation_maximisation import (
@@ -18,11 +19,9 @@ from surmount.analysis.expectation_maximisation import (
     expectation,
     maximise_likelihood,
 )
-from surmount.analysis.starts import spread_centres, start_components
+from surmount.analysis.initialisation import spread_centres, start_components
+from surmount.analysis.mixture import log_density
 from surmount.core.errors import InputError
-from surmount.core.mixture import log_density
-
-from .strategies import counts, dimensions, random_mixture, seeds
 
 
 def samples(seed=0, n=3000, d=3, k=5):

@@ -7,10 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 from sklearn.decomposition import PCA
+from synthetic_trials import SyntheticFamily
 
 from surmount import AnalysisConfig, Trials, determine_curriculum
 from surmount.analysis.features import variant_samples
-from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.errors import InputError
 
 FAMILY = SyntheticFamily(sizes=(3, 3), behaviours=(0, 1), separation=8.0, trials=8, steps=50)

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import seeds
 
 from surmount import AnalysisConfig
 from surmount.analysis.cells import cells, group_boxes
 from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
 from surmount.analysis.levels import build_levels, level_weights
-
-from .strategies import seeds
 
 
 def line(positions):

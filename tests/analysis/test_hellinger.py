@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from scipy.integrate import quad
+from strategies import counts, dimensions, moved, random_mixture, seeds
 
 from surmount import Mixture, hellinger, hellinger_matrix
 from surmount.analysis.reference import check_distances, check_hellinger
 from surmount.analysis.sigma_points import sigma_points
 from surmount.core.errors import InputError
-
-from .strategies import counts, dimensions, moved, random_mixture, seeds
 
 
 def pair(seed, k, d):

@@ -7,14 +7,13 @@ import itertools
 
 import numpy as np
 import pytest
+from strategies import random_mixture
+from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, determine_curriculum, hellinger
 from surmount.analysis import describe_curriculum, explain_analysis
 from surmount.analysis.sensitivity import marginal
 from surmount.analysis.stability import Stability, resampled
-from surmount.analysis.synthetic import SyntheticFamily
-
-from .strategies import random_mixture
 
 CLEAR = SyntheticFamily(sizes=(4, 4), behaviours=(0, 1), separation=10.0, trials=10, steps=50)
 CONFIG = AnalysisConfig(components=4, restarts=1, bootstrap=20, bootstrap_samples=200)

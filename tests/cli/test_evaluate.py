@@ -8,7 +8,7 @@ import pytest
 from small import run_first_stages, small_config
 
 from surmount.cli.main import run
-from surmount.core.trial_table import read_trials
+from surmount.trials.table import read_trials
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,11 @@ from surmount.cli.main import run
 def test_a_report_without_films_says_why(capsys, tmp_path, monkeypatch):
     root = run_first_stages(tmp_path, small_config(networks=1, **{"env.episode_s": 0.4}))
     monkeypatch.setitem(sys.modules, "av", None)
-    for module in ("surmount.experiment.run_films", "surmount.envs.video", "surmount.envs.film"):
+    for module in (
+        "surmount.rstar.film.run_films",
+        "surmount.envs.video",
+        "surmount.rstar.film.film",
+    ):
         monkeypatch.delitem(sys.modules, module, raising=False)
     assert run(["report", str(root)]) == 0
     said = capsys.readouterr().out

@@ -8,14 +8,14 @@ import subprocess
 import sys
 
 import pytest
+from example_trials import two_behaviours
 from small import SMALL, small_config
 
-from example_trials import two_behaviours
 from surmount.cli.main import run
 from surmount.core.configuration import dotted_keys, override, read_overrides
 from surmount.core.records import read_record, write_record
-from surmount.core.trial_table import write_trials
 from surmount.experiment import ExperimentConfig, begin, preset
+from surmount.trials.table import write_trials
 
 
 def call(capsys, *arguments) -> tuple[int, str, str]:

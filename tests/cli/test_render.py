@@ -7,10 +7,10 @@ import sys
 import av
 import numpy as np
 import pytest
+from graphics import needs_graphics, orange
 from PIL import Image
 from small import run_first_stages, small_config
 
-from graphics import needs_graphics, orange
 from surmount.cli.main import run
 
 SMALL = ("--size", "96", "72")
@@ -116,7 +116,7 @@ def test_a_view_without_a_display_ends_with_code_1(capsys, monkeypatch):
 
 
 def test_without_the_extra_for_films_render_says_what_to_install(capsys, monkeypatch, tmp_path):
-    for module in ("surmount.envs.film", "surmount.envs.video"):
+    for module in ("surmount.rstar.film.film", "surmount.envs.video"):
         monkeypatch.delitem(sys.modules, module, raising=False)
     monkeypatch.setitem(sys.modules, "av", None)  # as if it were not installed
     code, _, err = call(capsys, "render", "step", "--stand", "--out", tmp_path / "x.mp4")

@@ -11,11 +11,11 @@ import pytest
 from small import run_first_stages, small_config
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.monitor import SilentMonitor
-from surmount.core.trial_table import read_trials
 from surmount.experiment import protocol
 from surmount.experiment.evaluation import evaluate_network
 from surmount.learn import TRAINED_ON, RolloutConfig, Snapshot, acting_only
+from surmount.trials.table import read_trials
+from surmount.workflow.monitor import SilentMonitor
 
 CONFIG = small_config(networks=1)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from surmount.core.run_layout import expected_stages
 from surmount.experiment import preset, protocol
-from surmount.experiment.graph import check_graph
+from surmount.workflow.graph import check_graph
+from surmount.workflow.run_layout import expected_stages
 
 
 @pytest.mark.parametrize("scale", ["smoke", "paper"])

@@ -14,17 +14,17 @@ import numpy as np
 import pytest
 from small import content, run_small, small_config
 
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record
-from surmount.core.trial_table import read_trials
-from surmount.core.trials import Trials
-from surmount.envs import scene
 from surmount.experiment import begin, load_config, protocol
-from surmount.experiment.graph import check_graph
-from surmount.experiment.initiation_map import Setting, initiation_stages
+from surmount.rstar.course import scene
+from surmount.studies.initiation_map import Setting, initiation_stages
+from surmount.tasks.curriculum import Curriculum
+from surmount.trials.table import read_trials
+from surmount.trials.trials import Trials
+from surmount.workflow.graph import check_graph
 
-HERE = Path(__file__).parent
+SUPPORT = Path(__file__).parents[1] / "support"
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +134,7 @@ def killed_runs(root: Path, delays: list[float]) -> int:
     script.write_text(program, encoding="utf-8")
     kills = 0
     for delay in delays:
-        process = subprocess.Popen([sys.executable, str(script), str(HERE), str(root)])  # noqa: S603
+        process = subprocess.Popen([sys.executable, str(script), str(SUPPORT), str(root)])  # noqa: S603
         try:
             process.wait(timeout=delay)
         except subprocess.TimeoutExpired:

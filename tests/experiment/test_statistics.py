@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surmount.core.curriculum import Box, Curriculum, Group
-from surmount.core.trials import Trials
 from surmount.experiment.statistics import compare_group
 from surmount.stats import log_rank
+from surmount.tasks.curriculum import Box, Curriculum, Group
+from surmount.trials.trials import Trials
 
 CAP_S = 20.0
 CURRICULUM = Curriculum(

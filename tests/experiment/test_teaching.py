@@ -8,18 +8,18 @@ import pytest
 from small import SMALL, Watcher, small_config
 
 from surmount.core.configuration import override
-from surmount.core.curriculum import Box, Curriculum, Group
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
-from surmount.core.training_episodes import TrainingEpisodes
-from surmount.core.trial_table import read_trials
 from surmount.experiment import begin, make_executor, preset, run
 from surmount.experiment.learning_speed import steps_to_95, success_in_training
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
+from surmount.learn.training_episodes import TrainingEpisodes
 from surmount.report.teachers_page import write_teachers_report
 from surmount.stats import Bootstrap, bootstrap_interval
+from surmount.tasks.curriculum import Box, Curriculum, Group
 from surmount.teachers import TEACHERS, TeachersConfig
+from surmount.trials.table import read_trials
 
 OWN = {key: value for key, value in SMALL.items() if not key.startswith("env.")}
 TEACHING = override(TeachersConfig(), {"alp_gmm.fit_episodes": 20})

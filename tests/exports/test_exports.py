@@ -19,9 +19,7 @@ import numpy as np
 import pytest
 
 from surmount.cli.main import run
-from surmount.core.curriculum import Box, Curriculum, Group, Level
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.trial_table import read_trials
 from surmount.exports import (
     Columns,
     export_curriculum,
@@ -29,6 +27,8 @@ from surmount.exports import (
     interval_counts,
     read_log,
 )
+from surmount.tasks.curriculum import Box, Curriculum, Group, Level
+from surmount.trials.table import read_trials
 
 
 def group(name, variants, rate, *boxes):

@@ -12,12 +12,12 @@ from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
-from surmount.core.regions import Regions
-from surmount.core.task_space import TaskSpace
-from surmount.core.tasks import TaskDistribution
 from surmount.learn import TeacherCallback
 from surmount.learn.curriculum_log import MOST_REGIONS, variant_regions
 from surmount.learn.loggers import WRITERS, training_logger
+from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.regions import Regions
+from surmount.tasks.space import TaskSpace
 from surmount.teachers import (
     AdvancementConfig,
     AlpGmmConfig,

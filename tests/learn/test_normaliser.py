@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from point_env import PointEnv
 from stable_baselines3.common.vec_env import VecNormalize
 
-from point_env import PointEnv
 from surmount.learn.normaliser import Normaliser, RunningMoments
-from surmount.learn.task_env import Recorder
+from surmount.learn.recorder import Recorder
 
 
 def test_moments_are_those_of_all_rows_together():

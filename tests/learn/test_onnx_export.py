@@ -14,8 +14,8 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 
 from surmount.core.errors import InputError
 from surmount.learn import TRAINED_ON, Actor, Snapshot, acting_only
+from surmount.learn.mlp import ACTIVATIONS
 from surmount.learn.onnx_export import export_onnx
-from surmount.learn.perceptron import ACTIVATIONS
 
 OBSERVATIONS = gymnasium.spaces.Box(-np.inf, np.inf, (7,))
 ACTIONS = gymnasium.spaces.Box(-1.0, 1.0, (3,))

@@ -8,18 +8,18 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from point_env import MAX_STEPS, PointEnv
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
-from point_env import MAX_STEPS, PointEnv
 from surmount.core.errors import LearningError
 from surmount.learn import LearnerConfig
+from surmount.learn.mlp import ACTIVATIONS, ActorCritic
 from surmount.learn.normaliser import Normaliser
-from surmount.learn.perceptron import ACTIVATIONS, ActorCritic
 from surmount.learn.ppo import ResumablePPO
-from surmount.learn.task_env import Recorder
+from surmount.learn.recorder import Recorder
 
 CONFIG = LearnerConfig(num_envs=4, hidden_layers=(32, 16), rollout_steps=64, batch_size=64)
 COLUMNS = ("observations", "actions", "rewards", "episode_starts", "values", "log_probs")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from point_env import STEP, PointEnv
+
 from surmount.core.errors import ConfigError
-from surmount.core.monitor import SilentMonitor
 from surmount.learn import RolloutConfig, roll_out
+from surmount.workflow.monitor import SilentMonitor
 
 
 class FullSpeed:

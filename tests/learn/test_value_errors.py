@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-
 from point_env import PointEnv
-from surmount.core.monitor import SilentMonitor
-from surmount.core.tasks import TaskDistribution
+
 from surmount.learn import LearnerConfig, Trainer
 from surmount.learn.value_errors import EpisodeErrors
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers import UniformTeacher
+from surmount.workflow.monitor import SilentMonitor
 
 
 def test_an_episode_over_several_rollouts_counts_as_one():

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import csv
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from run_builder import RunBuilder
 
-from surmount.core.store import Artefact
 from surmount.report import write_report
+from surmount.workflow.store import Artefact
 
 
 @dataclass(frozen=True, kw_only=True)

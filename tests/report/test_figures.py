@@ -11,19 +11,19 @@ import pytest
 import scipy.stats
 from matplotlib.cbook import boxplot_stats
 from scipy.cluster import hierarchy
+from synthetic_trials import SyntheticFamily
 
 from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
-from surmount.analysis.synthetic import SyntheticFamily
 from surmount.core.records import read_record
-from surmount.core.run_layout import TRIALS
 from surmount.report import write_analysis_report
 from surmount.report.contents import document_of
-from surmount.report.curves import running_mean
-from surmount.report.dendrogram_layout import layout
-from surmount.report.fit_figure import mixture_fit
-from surmount.report.grouping_section import grouping_section
-from surmount.report.path_figure import box_of
+from surmount.report.figures.curves import running_mean
+from surmount.report.figures.dendrogram_layout import layout
+from surmount.report.figures.fit import mixture_fit
+from surmount.report.figures.path import box_of
 from surmount.report.results import read_run
+from surmount.report.sections.grouping import grouping_section
+from surmount.workflow.run_layout import TRIALS
 
 EXACT = 1e-12
 """The same numbers, but for the order of summation."""

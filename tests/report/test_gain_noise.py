@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from trainings import ROLLOUT, TEST, training
 
-from surmount.report.gain_noise import gain_noise
+from surmount.report.sections.gain_noise import gain_noise
 
 WINDOW = 4_000
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from trainings import TEST, training
 
-from surmount.core.curriculum import Box, Curriculum, Group, Level
-from surmount.core.training_episodes import TrainingEpisodes
-from surmount.report.document import Notice, Table
-from surmount.report.levels_left import levels_left, levels_left_blocks
+from surmount.learn.training_episodes import TrainingEpisodes
+from surmount.report.document.parts import Notice, Table
+from surmount.report.sections.levels_left import levels_left, levels_left_blocks
+from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 
 
 def group(name, low, high) -> Group:

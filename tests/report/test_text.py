@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surmount.report.text import SPACE, axis_label, percent_interval, variant_range
+from surmount.report.document.text import SPACE, axis_label, percent_interval, variant_range
 
 
 @pytest.mark.parametrize(

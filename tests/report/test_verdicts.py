@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surmount.core.paper import PAPER_RESULTS
-from surmount.report.plots import hover, plain
-from surmount.report.text import (
+from surmount.report.document.text import (
     SPACE,
     duration,
     listed,
@@ -16,8 +14,10 @@ from surmount.report.text import (
     percent,
     variant_range,
 )
+from surmount.report.figures.plots import hover, plain
 from surmount.report.verdicts import because, path_verdict, success_verdict, time_verdict
 from surmount.stats import MethodContrast, log_rank, proportion_test
+from surmount.studies.paper.results import PAPER_RESULTS
 
 
 @pytest.mark.parametrize(

@@ -21,11 +21,11 @@ from surmount.core.records import read_record, write_record
 from surmount.experiment.stages import analyse
 from surmount.report import write_analysis_report, write_report
 from surmount.report.contents import document_of
-from surmount.report.markdown import markdown
-from surmount.report.page import page
+from surmount.report.document.markdown import markdown
+from surmount.report.document.page import page
+from surmount.report.document.text import short
+from surmount.report.figures.stills import StillFiles, draw
 from surmount.report.results import read_run
-from surmount.report.stills import StillFiles, draw
-from surmount.report.text import short
 
 FIGURES = {
     "figure-5-mixture-fit",

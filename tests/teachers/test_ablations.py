@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from toy_learner import VARIANTS, ToyLearner, toy_brief, toy_curriculum, train
+from toy_learner import VARIANTS, ToyLearner, toy_context, toy_curriculum, train
 
 from surmount.analysis import AnalysisConfig
 from surmount.core.errors import ConfigError
@@ -112,19 +112,19 @@ def test_levels_at_a_budget_go_on_with_the_last_level_or_are_cut_off():
     short = AdvancementConfig(
         iteration_steps=200, extension_steps=200, window_steps=50, max_extensions=0
     )
-    brief = toy_brief(total_steps=2_000)
-    teacher = make_teacher("stepwise", type(brief)(**{**vars(brief), "advancement": short}))
+    context = toy_context(total_steps=2_000)
+    teacher = make_teacher("stepwise", type(context)(**{**vars(context), "advancement": short}))
     tasks = train(teacher, ToyLearner(0), 100)
     assert len(tasks) == 10
     assert [part.min() > 0.6 for part in tasks] == [False] + [True] * 9
     assert (teacher.status().label, teacher.status().level) == ("after the last level", 2)
-    cut = train(make_teacher("stepwise", toy_brief(total_steps=2_000)), ToyLearner(0), 100)
+    cut = train(make_teacher("stepwise", toy_context(total_steps=2_000)), ToyLearner(0), 100)
     assert len(cut) == 10
     assert max(part.max() for part in cut) < 0.7  # never left its first level
 
 
 def test_a_curriculum_without_levels_says_so():
-    brief = toy_brief()
+    context = toy_context()
     empty = type(PAPER)(**{**vars(PAPER), "levels": ()})
     with pytest.raises(ConfigError, match="no levels"):
-        make_teacher("paper", type(brief)(**{**vars(brief), "curriculum": empty}))
+        make_teacher("paper", type(context)(**{**vars(context), "curriculum": empty}))

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from toy_learner import VARIANTS, WHOLE, ToyLearner, toy_brief, train
+from toy_learner import VARIANTS, WHOLE, ToyLearner, toy_context, train
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.tasks import TaskDistribution
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers import (
     TEACHERS,
     AlpGmmConfig,
@@ -47,7 +47,7 @@ def shares(teacher) -> np.ndarray:
 
 @pytest.mark.parametrize("name", TEACHERS)
 def test_sampled_frequencies_match_the_distribution(name):
-    teacher = make_teacher(name, toy_brief())
+    teacher = make_teacher(name, toy_context())
     train(teacher, ToyLearner(0), 30)
     distribution = teacher.distribution()
     tasks = teacher.sample(20_000)[:, 0]
@@ -68,7 +68,7 @@ def test_sampled_frequencies_match_the_distribution(name):
 
 @pytest.mark.parametrize("name", TEACHERS)
 def test_the_state_is_json_and_goes_on_identically(name):
-    first, second = make_teacher(name, toy_brief()), make_teacher(name, toy_brief())
+    first, second = make_teacher(name, toy_context()), make_teacher(name, toy_context())
     train(first, ToyLearner(1), 25)
     first.sample(3)
     second.load_state_dict(json.loads(json.dumps(first.state_dict(), allow_nan=False)))
@@ -83,19 +83,19 @@ def test_the_state_is_json_and_goes_on_identically(name):
 
 @pytest.mark.parametrize("name", TEACHERS)
 def test_the_state_of_another_teacher_or_of_other_tasks_is_refused(name):
-    teacher = make_teacher(name, toy_brief())
+    teacher = make_teacher(name, toy_context())
     for other in {"uniform", "plr", "paper", "spdl"} - {name}:
         if name != "hardest" or other != "uniform":  # one kind, but other tasks
             with pytest.raises(InputError, match=r"another (teacher|curriculum)"):
-                teacher.load_state_dict(make_teacher(other, toy_brief()).state_dict())
-    brief = toy_brief()
+                teacher.load_state_dict(make_teacher(other, toy_context()).state_dict())
+    context = toy_context()
     groups = tuple(
         replace(group, boxes=tuple(replace(box, upper=2 * box.upper) for box in group.boxes))
-        for group in brief.curriculum.groups
+        for group in context.curriculum.groups
     )
     moved = replace(
-        brief,
-        curriculum=replace(brief.curriculum, groups=groups),
+        context,
+        curriculum=replace(context.curriculum, groups=groups),
         variants=2 * VARIANTS,
         whole_range=TaskDistribution.uniform(("x",), np.array([0.0]), np.array([2.0])),
     )
@@ -105,7 +105,7 @@ def test_the_state_of_another_teacher_or_of_other_tasks_is_refused(name):
 
 @pytest.mark.parametrize("name", TEACHERS)
 def test_a_loop_that_tells_of_episodes_alone_gets_as_far_as_one_with_rollouts(name):
-    by_episode, by_rollout = (make_teacher(name, toy_brief(total_steps=1_000)) for _ in range(2))
+    by_episode, by_rollout = (make_teacher(name, toy_context(total_steps=1_000)) for _ in range(2))
     learner = ToyLearner(0)
     while not by_rollout.finished:
         outcome = learner.rollout(by_rollout.distribution(), 5)
@@ -127,7 +127,7 @@ def test_a_loop_that_tells_of_episodes_alone_gets_as_far_as_one_with_rollouts(na
 
 @pytest.mark.parametrize("name", TEACHERS)
 def test_it_ends_with_the_first_rollout_that_reaches_the_budget(name):
-    teacher = make_teacher(name, toy_brief(total_steps=1_001))
+    teacher = make_teacher(name, toy_context(total_steps=1_001))
     assert len(train(teacher, ToyLearner(0), 100)) == 6  # 20 episodes of 10 steps each
     assert teacher.finished
     assert teacher.status().planned_steps == 1_001
@@ -135,7 +135,7 @@ def test_it_ends_with_the_first_rollout_that_reaches_the_budget(name):
 
 @pytest.mark.parametrize("name", TEACHERS)
 def test_seeds_matter_and_repeat(name):
-    tasks = [make_teacher(name, toy_brief(seed=seed)).sample(50).tolist() for seed in (0, 0, 1)]
+    tasks = [make_teacher(name, toy_context(seed=seed)).sample(50).tolist() for seed in (0, 0, 1)]
     assert tasks[0] == tasks[1]
     assert tasks[0] != tasks[2]
 
@@ -144,7 +144,7 @@ def test_seeds_matter_and_repeat(name):
 def test_seeds_matter_to_what_is_pushed(name):
     pushed = []
     for seed in (0, 1):
-        teacher = make_teacher(name, toy_brief(seed=seed))
+        teacher = make_teacher(name, toy_context(seed=seed))
         for index in range(300):
             task = 1.0 if name == "promote-demote" else (index % 100) / 100
             tell(teacher, task, name == "promote-demote" or index % 3 == 0, error=0.1)
@@ -158,7 +158,7 @@ def skill_after(name: str) -> float:
     """Mean skill of three learners after 2,400 episodes; the edge passes the range in 900."""
     learners = [ToyLearner(seed, growth=0.001) for seed in range(3)]
     for seed, learner in enumerate(learners):
-        train(make_teacher(name, toy_brief(seed=seed)), learner, 120)
+        train(make_teacher(name, toy_context(seed=seed)), learner, 120)
     return float(np.mean([learner.skill for learner in learners]))
 
 
@@ -362,7 +362,7 @@ def test_cells_tile_the_range_with_several_parameters():
 
 def test_an_unknown_teacher_names_the_nearest():
     with pytest.raises(ConfigError, match="Unknown teacher `alpgmm`") as caught:
-        make_teacher("alpgmm", toy_brief())
+        make_teacher("alpgmm", toy_context())
     assert "`alp-gmm`" in caught.value.remedy
 
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.tasks import TaskDistribution
-from surmount.core.teacher import Episodes, RolloutOutcome
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher, gain_ratio, passes
+from surmount.teachers.teacher import Episodes, RolloutOutcome
 
 CONFIG = AdvancementConfig(
     iteration_steps=100, extension_steps=40, window_steps=10, threshold=0.1, max_extensions=3

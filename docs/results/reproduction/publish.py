@@ -15,12 +15,12 @@ from pathlib import Path
 
 import polars as pl
 
-from surmount.core.run_folder import RunFolder, open_run
-from surmount.core.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS, TRIALS
-from surmount.core.trial_table import read_trials
 from surmount.experiment import stages
 from surmount.learn import Snapshot, acting_only
 from surmount.report import write_report
+from surmount.trials.table import read_trials
+from surmount.workflow.run_folder import RunFolder, open_run
+from surmount.workflow.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS, TRIALS
 
 
 def publish(root: Path, folder: Path, networks: int = 2) -> None:

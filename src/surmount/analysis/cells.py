@@ -6,7 +6,7 @@ import numpy as np
 
 from surmount.analysis.configuration import BoundsRule
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.curriculum import Box
+from surmount.tasks.curriculum import Box
 
 
 def group_boxes(variants: FloatArray, members: IntArray, rule: BoundsRule) -> tuple[Box, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from surmount.analysis.features import describe_variant
 from surmount.core.arrays import FloatArray
-from surmount.core.curriculum import Box, Curriculum
+from surmount.tasks.curriculum import Box, Curriculum
 
 _SHOWN_BOXES = 3
 _FEWEST = 3

@@ -11,21 +11,21 @@ from surmount.analysis.cut import cut_dendrogram
 from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.expectation_maximisation import Components
 from surmount.analysis.features import VariantSamples, variant_samples
-from surmount.analysis.fitting import Prepared, affordable_components, bic_curve, mixture_of
+from surmount.analysis.fitting import FitSamples, affordable_components, bic_curve, mixture_of
 from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.levels import build_levels
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import check_distances
 from surmount.analysis.result import Analysis
 from surmount.analysis.sensitivity import SensitivityRow, assess_sensitivity
 from surmount.analysis.stability import assess_stability
+from surmount.analysis.threads import spread
 from surmount.analysis.warnings import analysis_warnings
-from surmount.core.curriculum import Curriculum, Group
 from surmount.core.errors import InputError
-from surmount.core.mixture import Mixture
 from surmount.core.seeds import derive_seed, generator
-from surmount.core.threads import spread
-from surmount.core.trials import Trials
+from surmount.tasks.curriculum import Curriculum, Group
+from surmount.trials.trials import Trials
 
 
 def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -> Analysis:
@@ -61,10 +61,12 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     curves: list[BICCurve] = []
     if not settings.components:
         chosen = range(len(data.samples)) if settings.components_per_variant else [hardest]
-        curves = [bic_curve(Prepared(data.samples[variant]), settings, seed) for variant in chosen]
+        curves = [
+            bic_curve(FitSamples(data.samples[variant]), settings, seed) for variant in chosen
+        ]
 
     def fit(variant: int) -> tuple[Components, Mixture]:
-        samples = Prepared(data.samples[variant])
+        samples = FitSamples(data.samples[variant])
         wanted = settings.components
         if curves:
             wanted = curves[variant if settings.components_per_variant else 0].chosen

@@ -19,8 +19,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from surmount.analysis.threads import LARGEST_PRODUCT, spread, threads_kept
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.threads import LARGEST_PRODUCT, spread, threads_kept
 
 _FEWEST_ROWS, _MOST_ROWS, _ROW_STEP = 256, 4096, 64
 """Samples per block: few enough for the cache, enough to make calls worth their overhead."""
@@ -32,7 +32,7 @@ _FEWEST_PIECES = 4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Components:
-    """Parameters of a mixture during a fit, shapes as in :class:`surmount.core.mixture.Mixture`."""
+    """Parameters of a mixture during a fit, shapes as in ``analysis.mixture.Mixture``."""
 
     weights: FloatArray
     means: FloatArray

@@ -11,7 +11,7 @@ from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.fitting import Scaling, scaling_of
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import InputError
-from surmount.core.trials import Trials
+from surmount.trials.trials import Trials
 
 _LARGEST_VALUE = 1e100
 """Larger values count as infinite: their squares overflow."""

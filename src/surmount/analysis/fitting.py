@@ -14,12 +14,12 @@ from surmount.analysis.expectation_maximisation import (
     expand,
     maximise_likelihood,
 )
-from surmount.analysis.starts import start_components
+from surmount.analysis.initialisation import start_components
+from surmount.analysis.mixture import FitReport, Mixture, bic
+from surmount.analysis.threads import spread
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
-from surmount.core.mixture import FitReport, Mixture, bic
 from surmount.core.seeds import generator
-from surmount.core.threads import spread
 
 _TRIAL_SAMPLES = 4096
 """Samples on which starts are compared before the best one goes on with all samples."""
@@ -118,10 +118,10 @@ def fit_mixture(
             f"Feature column {int(constant[0])} has the same value in all samples.",
             remedy="Drop constant features before fitting.",
         )
-    prepared = Prepared(canonical_order(scaling.apply(x)))
+    scaled = FitSamples(canonical_order(scaling.apply(x)))
     if n_components is None:
-        n_components = bic_curve(prepared, settings, seed).chosen
-    return mixture_of(prepared.fit(n_components, settings, seed), scaling, settings, n_components)
+        n_components = bic_curve(scaled, settings, seed).chosen
+    return mixture_of(scaled.fit(n_components, settings, seed), scaling, settings, n_components)
 
 
 def scaling_of(x: FloatArray) -> Scaling:
@@ -138,7 +138,7 @@ def canonical_order(x: FloatArray) -> FloatArray:
     return np.ascontiguousarray(x[np.lexsort(x.T[::-1])])
 
 
-class Prepared:
+class FitSamples:
     """Standardised samples with their expanded features, ready for any number of fits."""
 
     def __init__(self, z: FloatArray) -> None:
@@ -187,13 +187,13 @@ class Prepared:
         )
 
 
-def bic_curve(prepared: Prepared, config: AnalysisConfig, seed: int) -> BICCurve:
+def bic_curve(samples: FitSamples, config: AnalysisConfig, seed: int) -> BICCurve:
     """Fit every K of the configured range and choose one by the BIC (eq. 3)."""
-    most = affordable_components(prepared.n_samples, config)
+    most = affordable_components(samples.n_samples, config)
     counts = list(range(min(config.min_components, most), min(config.max_components, most) + 1))
-    fits = spread(lambda count: prepared.fit(count, config, seed), counts)
+    fits = spread(lambda count: samples.fit(count, config, seed), counts)
     values = [
-        bic(fit.log_likelihood, prepared.n_samples, *fit.components.means.shape) for fit in fits
+        bic(fit.log_likelihood, samples.n_samples, *fit.components.means.shape) for fit in fits
     ]
     converged = [fit.converged for fit in fits]
     return choose_components(counts, values, converged, config.plateau)

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from surmount.analysis.expectation_maximisation import Components, coefficients, expand
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.sigma_points import sigma_points
+from surmount.analysis.threads import LARGEST_PRODUCT
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
-from surmount.core.mixture import Mixture
-from surmount.core.threads import LARGEST_PRODUCT
 
 _LARGEST_SQUARE = 1e9
 """Squares up to this leave 1e-7 nats of rounding in the fast form of the densities."""

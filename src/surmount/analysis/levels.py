@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from surmount.analysis.configuration import AnalysisConfig
-from surmount.core.curriculum import Level
+from surmount.tasks.curriculum import Level
 
 
 def build_levels(

@@ -15,10 +15,10 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from surmount.analysis.hellinger import hellinger, hellinger_matrix
+from surmount.analysis.mixture import Mixture
+from surmount.analysis.threads import spread
 from surmount.core.arrays import FloatArray
-from surmount.core.mixture import Mixture
 from surmount.core.seeds import generator
-from surmount.core.threads import spread
 
 _REPLICATES = 8
 _FIRST_POWER = 9

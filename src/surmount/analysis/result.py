@@ -16,15 +16,15 @@ from surmount.analysis.cut import Cut
 from surmount.analysis.dendrogram import Dendrogram
 from surmount.analysis.features import FeatureMap
 from surmount.analysis.groups import Merge
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.result_reading import KIND, SCHEMA, read_fields
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.configuration import to_record as config_to_record
-from surmount.core.curriculum import Curriculum, Group
-from surmount.core.mixture import Mixture
 from surmount.core.records import read_record, write_record
+from surmount.tasks.curriculum import Curriculum, Group
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,14 +15,14 @@ from surmount.analysis.cut import Cut
 from surmount.analysis.features import FeatureMap
 from surmount.analysis.fitting import Scaling
 from surmount.analysis.groups import Merge
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.configuration import from_record
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError, SurmountError
-from surmount.core.mixture import Mixture
+from surmount.tasks.curriculum import Curriculum
 
 KIND = "surmount analysis"
 SCHEMA = 2

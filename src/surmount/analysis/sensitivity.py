@@ -13,13 +13,13 @@ from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.cut import DEFAULT_CUT_OFF, cut_dendrogram
 from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.features import VariantSamples
-from surmount.analysis.fitting import Prepared, affordable_components, mixture_of
+from surmount.analysis.fitting import FitSamples, affordable_components, mixture_of
 from surmount.analysis.groups import merge_small, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
+from surmount.analysis.threads import spread
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.mixture import Mixture
-from surmount.core.threads import spread
 
 _LINKAGES = ("average", "complete", "single", "weighted", "ward")
 _DEPTHS = (2, 3, 4, 0)
@@ -199,7 +199,7 @@ def _refits(
     quick = dataclasses.replace(config, restarts=1)
 
     def refit(samples: FloatArray) -> Mixture:
-        prepared = Prepared(samples)
+        prepared = FitSamples(samples)
         affordable = min(count, affordable_components(prepared.n_samples, config))
         fit = prepared.fit(affordable, quick, seed)
         return mixture_of(fit, data.features.scaling, quick, affordable)

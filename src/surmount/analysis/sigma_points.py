@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surmount.analysis.mixture import Mixture
 from surmount.core.arrays import FloatArray
-from surmount.core.mixture import Mixture
 
 _TIE = 1e-6
 """Relative gap below which two axes of the frame count as not told apart by the mixture."""

@@ -10,12 +10,12 @@ from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.expectation_maximisation import Components, expand, maximise_likelihood
 from surmount.analysis.features import VariantSamples
 from surmount.analysis.hellinger import hellinger_matrix
+from surmount.analysis.mixture import Mixture
 from surmount.analysis.sensitivity import group_variants
+from surmount.analysis.threads import spread
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.mixture import Mixture
 from surmount.core.seeds import generator
-from surmount.core.threads import spread
-from surmount.core.trials import Trials
+from surmount.trials.trials import Trials
 
 _REFIT_ITERATIONS = 5
 

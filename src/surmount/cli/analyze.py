@@ -15,9 +15,9 @@ from surmount.analysis import (
 )
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
-from surmount.core.store import output_errors, sole_user
-from surmount.core.trial_table import read_trials
 from surmount.report import write_analysis_report
+from surmount.trials.table import read_trials
+from surmount.workflow.store import output_errors, sole_user
 
 
 def analyze(

@@ -9,10 +9,10 @@ import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
-from surmount.core.store import output_errors, sole_user
-from surmount.experiment.capability import CapabilityConfig, map_capability
-from surmount.experiment.provenance import provenance
-from surmount.report.capability_figure import write_capability_figure
+from surmount.studies.capability import CapabilityConfig, map_capability
+from surmount.studies.capability_figure import write_capability_figure
+from surmount.workflow.provenance import provenance
+from surmount.workflow.store import output_errors, sole_user
 
 MAP = "capability.json"
 

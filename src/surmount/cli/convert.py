@@ -9,9 +9,9 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.core.store import output_errors
-from surmount.core.trial_table import write_trials
 from surmount.exports import Columns, read_log
+from surmount.trials.table import write_trials
+from surmount.workflow.store import output_errors
 
 Named = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=COLUMN")]
 

@@ -19,9 +19,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from surmount.core.monitor import Progress as StageProgress
-from surmount.core.store import Artefact, output_errors
-from surmount.experiment import StageEvent
+from surmount.workflow import StageEvent
+from surmount.workflow.monitor import Progress as StageProgress
+from surmount.workflow.store import Artefact, output_errors
 
 PLAIN_INTERVAL_S = 20.0
 """Without a terminal, each stage prints a progress line at most this often."""

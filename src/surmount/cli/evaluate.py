@@ -12,12 +12,12 @@ from rich.console import Console
 from rich.table import Table
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.core.monitor import SilentMonitor
-from surmount.core.store import output_errors
-from surmount.core.trial_table import write_trials
 from surmount.experiment.evaluation import Evaluation, evaluate_network
 from surmount.learn import RolloutConfig
 from surmount.stats import proportion_intervals
+from surmount.trials.table import write_trials
+from surmount.workflow.monitor import SilentMonitor
+from surmount.workflow.store import output_errors
 
 
 def evaluate(

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import tyro
 
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import ConfigError
 from surmount.core.records import write_atomically
-from surmount.core.store import output_errors
 from surmount.exports import FORMATS, export_curriculum, export_ml_agents
+from surmount.tasks.curriculum import Curriculum
+from surmount.workflow.store import output_errors
 
 NETWORK_FORMATS = {"onnx": "policy.onnx", "acting": "acting.safetensors"}
 """Formats of networks, and the files they are written to."""

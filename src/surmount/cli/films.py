@@ -7,14 +7,14 @@ from pathlib import Path
 
 from surmount.core.errors import SurmountError
 from surmount.core.extras import missing_extra
-from surmount.core.run_folder import open_run
-from surmount.core.store import output_errors
+from surmount.workflow.run_folder import open_run
+from surmount.workflow.store import output_errors
 
 
 def films(root: Path, say: Callable[[str], None]) -> None:
     """Draw the films of a run, or say why there are none: the page does without them."""
     try:
-        from surmount.experiment.run_films import draw_films  # noqa: PLC0415 - needs extras
+        from surmount.rstar.film.run_films import draw_films  # noqa: PLC0415 - needs extras
 
         with output_errors(root):
             draw_films(open_run(root), say)

@@ -12,10 +12,10 @@ from surmount.cli.main import INTERRUPTED
 from surmount.cli.running import run_graph
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
-from surmount.core.store import output_errors, sole_user
-from surmount.experiment.initiation_map import initiation_stages, read_settings, summarise
-from surmount.experiment.provenance import provenance
-from surmount.report.initiation_figure import write_initiation_figure
+from surmount.studies.initiation_figure import write_initiation_figure
+from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
+from surmount.workflow.provenance import provenance
+from surmount.workflow.store import output_errors, sole_user
 
 MAP = "initiations.json"
 

@@ -10,10 +10,10 @@ import tyro
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override, to_record
 from surmount.core.records import write_record
-from surmount.core.store import output_errors
-from surmount.envs import OBSTACLES, EnvConfig
-from surmount.experiment.manoeuvre_library import ATTEMPTS, build_libraries
-from surmount.experiment.provenance import provenance
+from surmount.rstar.course import OBSTACLES, EnvConfig
+from surmount.rstar.manoeuvres.library import ATTEMPTS, build_libraries
+from surmount.workflow.provenance import provenance
+from surmount.workflow.store import output_errors
 
 
 def manoeuvres(

@@ -13,11 +13,11 @@ from surmount.cli.main import INTERRUPTED
 from surmount.cli.running import run_graph
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.records import write_record
-from surmount.core.run_layout import TRAININGS
-from surmount.core.store import output_errors, sole_user
-from surmount.experiment.provenance import provenance
-from surmount.experiment.regime_map import read_regime_map, regime_stages, summarise_regimes
-from surmount.report.regime_figure import write_regime_figure
+from surmount.studies.regime_figure import write_regime_figure
+from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
+from surmount.workflow.provenance import provenance
+from surmount.workflow.run_layout import TRAININGS
+from surmount.workflow.store import output_errors, sole_user
 
 MAP = "regimes.json"
 

@@ -37,8 +37,8 @@ def render(
         at: Moments on a sheet, in s; six from start to end if left out.
     """
     # The drawing needs an extra that other verbs do without.
-    from surmount.envs.film import FilmConfig, contact_sheet, count_frames, frames  # noqa: PLC0415
     from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png  # noqa: PLC0415
+    from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames  # noqa: PLC0415
 
     check_output(out)
     _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")

@@ -16,12 +16,7 @@ from surmount.cli.summary import print_summary
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
-from surmount.experiment import (
-    ExperimentConfig,
-    load_config,
-    preset,
-    protocol,
-)
+from surmount.experiment import ExperimentConfig, load_config, preset, protocol
 from surmount.report import write_report
 
 

@@ -14,18 +14,9 @@ from rich.console import Console
 from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.workers import Workers
-from surmount.core.store import output_errors, sole_user
-from surmount.experiment import (
-    Depot,
-    Executor,
-    ExperimentConfig,
-    GraphRunner,
-    RunOutcome,
-    Stage,
-    begin,
-    refuse_other,
-    run,
-)
+from surmount.experiment import ExperimentConfig, begin, refuse_other, run
+from surmount.workflow import ArtefactStore, Executor, GraphRunner, RunOutcome, Stage
+from surmount.workflow.store import output_errors, sole_user
 
 
 def run_experiment(
@@ -52,7 +43,7 @@ def run_experiment(
 def run_graph(out: Path, graph: list[Stage], workers: Workers, console: Console) -> RunOutcome:
     """Run stages into a folder with progress, stopping cleanly at Ctrl-C."""
     with _progress(out, workers, console) as (executor, display, on_ready), output_errors(out):
-        depot = Depot(root=out, url=workers.store)
+        depot = ArtefactStore(root=out, url=workers.store)
         runner = GraphRunner(out, graph, executor, display, depot=depot, retries=workers.retries)
         on_ready(runner)
         return runner.run()

@@ -9,11 +9,11 @@ import tyro
 
 from surmount.analysis import Analysis, describe_curriculum, describe_trust, explain_analysis
 from surmount.analysis.result_reading import KIND
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
 from surmount.core.records import read_record
-from surmount.core.run_folder import open_run
-from surmount.core.run_layout import ANALYSIS, RUN
+from surmount.tasks.curriculum import Curriculum
+from surmount.workflow.run_folder import open_run
+from surmount.workflow.run_layout import ANALYSIS, RUN
 
 
 def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:

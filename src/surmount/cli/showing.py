@@ -9,8 +9,8 @@ import torch
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.envs.motion import Motion
-from surmount.experiment.footage import Wanted, motions
+from surmount.rstar.film.footage import Wanted, motions
+from surmount.rstar.film.motion import Motion
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from surmount.core.curriculum import Curriculum
 from surmount.core.records import read_record
-from surmount.core.run_folder import open_run
-from surmount.core.run_layout import ANALYSIS, STATISTICS
+from surmount.tasks.curriculum import Curriculum
+from surmount.workflow.run_folder import open_run
+from surmount.workflow.run_layout import ANALYSIS, STATISTICS
 
 
 def print_summary(console: Console, root: Path) -> None:

@@ -7,8 +7,8 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.showing import Shown, shown_motions
-from surmount.envs.playback import play
-from surmount.robot.config import require_range
+from surmount.rstar.film.playback import play
+from surmount.rstar.robot.config import require_range
 
 
 def view(

@@ -8,9 +8,10 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.experiment import Executor, make_executor
-from surmount.experiment.executor import Listener
-from surmount.experiment.runner import RETRIES
+from surmount.experiment import make_executor
+from surmount.workflow import Executor
+from surmount.workflow.executor import Listener
+from surmount.workflow.runner import RETRIES
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,35 +1,21 @@
-"""Obstacle courses for RSTAR as Gymnasium environments, single and batched.
+"""One's own environment: the contract, many of them as one, and a check of the contract."""
 
-Importing this package registers ``surmount/NarrowChannel-v0``, ``surmount/LowEntrance-v0`` and
-``surmount/Step-v0`` with Gymnasium, each with a batched vector environment.
-"""
-
-from gymnasium.envs.registration import register, registry
-
-from surmount.envs.batch import ObstacleVectorEnv
-from surmount.envs.config import CourseConfig, EnvConfig, RewardConfig, StartConfig
-from surmount.envs.obstacles import OBSTACLES, Obstacle, find_obstacle
-from surmount.envs.randomisation import RandomisationConfig
-from surmount.envs.single import ObstacleEnv
-
-for _obstacle in OBSTACLES.values():
-    if _obstacle.gym_id not in registry:
-        register(
-            id=_obstacle.gym_id,
-            entry_point="surmount.envs.single:ObstacleEnv",
-            vector_entry_point="surmount.envs.batch:ObstacleVectorEnv",
-            kwargs={"obstacle": _obstacle.name},
-        )
+from surmount.envs.batch import TaskBatch
+from surmount.envs.check import Finding, check_contract
+from surmount.envs.loading import is_own, load_make_env, source_hash
+from surmount.envs.making import make_task_env, time_limit
+from surmount.envs.task_env import TaskEnv, Transition, UntoldSuccessError
 
 __all__ = [
-    "OBSTACLES",
-    "CourseConfig",
-    "EnvConfig",
-    "Obstacle",
-    "ObstacleEnv",
-    "ObstacleVectorEnv",
-    "RandomisationConfig",
-    "RewardConfig",
-    "StartConfig",
-    "find_obstacle",
+    "Finding",
+    "TaskBatch",
+    "TaskEnv",
+    "Transition",
+    "UntoldSuccessError",
+    "check_contract",
+    "is_own",
+    "load_make_env",
+    "make_task_env",
+    "source_hash",
+    "time_limit",
 ]

@@ -1,323 +1,138 @@
-"""The obstacle courses as a Gymnasium vector environment: the one implementation of them all."""
+"""Many environments of one's own as one vector environment of the learner."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Callable, Mapping
 from typing import Any
 
+import gymnasium
 import numpy as np
-import numpy.typing as npt
-from gymnasium.spaces import Box
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
-from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.errors import ConfigError, InputError
-from surmount.core.tasks import TaskDistribution
-from surmount.envs.actions import ACTIONS, checked_actions
-from surmount.envs.config import EnvConfig
-from surmount.envs.episodes import Episodes
-from surmount.envs.infos import Infos, final_infos, step_infos, with_masks
-from surmount.envs.measures import FEATURE_NAMES, Measures
-from surmount.envs.observations import Observations, Observer, observation_terms
-from surmount.envs.obstacles import find_obstacle
-from surmount.envs.options import read_options
-from surmount.envs.pictures import RENDER_MODES, Pictures
-from surmount.envs.randomiser import Randomiser
-from surmount.envs.rewards import Reward
-from surmount.envs.saved_state import SCHEMA, check_state
-from surmount.envs.simulation import Simulation
-from surmount.envs.starts import fixed_start, random_start
-from surmount.envs.streams import Streams
-from surmount.envs.threads import choose_threads
+from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.errors import InputError
+from surmount.envs.task_env import TaskEnv
+from surmount.tasks.distribution import TaskDistribution
+
+KEYS = ("variant", "is_success", "diverged", "features")
 
 
-class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[Any]]):
-    """RSTAR before narrow channels, low entrances or steps, any number of them at once.
-
-    Observations are ``float32``: yaw, pitch (step only), FBEM angle, sprawl angle, tangential
-    speed, distance to the obstacle and the obstacle's size, each ``(value − centre) / scale``,
-    clipped. Actions are speed, FBEM and sprawl, in [−1, 1], clipped: rates of the three targets as
-    fractions of their limits, held for a decision interval and integrated at every physics tick;
-    targets stay within their ranges. The tables with symbols, units and ranges are in
-    ``docs/environments.md`` and from :mod:`surmount.envs.tables`.
-
-    Reward: eq. 6, see :class:`surmount.envs.rewards.Reward`. An episode ends when the base passes
-    the target line (success), falls off the floor or diverges (terminated), or at the cap
-    (truncated).
-
-    ``infos`` of every reset and step hold, with Gymnasium's ``_key`` masks, what
-    :data:`~surmount.envs.infos.INFO_KEYS` names: ``features`` of shape ``(env, feature)``,
-    ``variant`` of shape ``(env, parameter)``, the others of shape ``(env,)``; and, where they are
-    randomised, ``dynamics`` of shape ``(env, factor)`` and ``action_delay`` of shape ``(env,)``.
-    Under same-step autoreset, ``final_obs`` and ``final_info`` hold the last values of the episodes
-    that ended.
+class TaskBatch:
+    """Satisfies :class:`surmount.learn.TaskVectorEnv` for environments stepped one by one.
 
     Parameters
     ----------
-    obstacle
-        ``"narrow-channel"``, ``"low-entrance"`` or ``"step"``.
+    make_env
+        Makes one environment.
     num_envs
-        Number of environments.
-    config
-        Configuration; the defaults if None.
-    n_threads
-        Threads that share the physics; results do not depend on it. None: one per four
-        environments, at most as many as this process may use processors.
-    autoreset_mode
-        When an episode that ended begins anew. With ``DISABLED`` it stays frozen, unsimulated,
-        with reward 0 and its ending's flags, until it is reset.
-    render_mode
-        ``"rgb_array"``, ``"human"`` (the first environment, in a window) or None.
+        How many to make.
+    autoreset
+        Whether an environment is reset in the step in which its episode ended; otherwise it stays
+        as it is.
 
     Raises
     ------
-    ConfigError
-        If an argument is out of range.
+    InputError
+        If observations or actions are not boxes.
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012  (as Gymnasium declares it)
-        "render_modes": list(RENDER_MODES),
-        "render_fps": 10,
-        "autoreset_mode": AutoresetMode.SAME_STEP,
-    }
+    render_mode: str | None = None
 
     def __init__(
-        self,
-        obstacle: str,
-        num_envs: int,
-        *,
-        config: EnvConfig | None = None,
-        n_threads: int | None = None,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
-        render_mode: str | None = None,
+        self, make_env: Callable[[], TaskEnv], num_envs: int, *, autoreset: bool = True
     ) -> None:
-        if num_envs < 1:
-            raise ConfigError(f"`num_envs` is {num_envs}.", remedy="Give 1 or more.")
-        self.config = config or EnvConfig()
-        self.obstacle = find_obstacle(obstacle)
+        self.envs = [make_env() for _ in range(num_envs)]
         self.num_envs = num_envs
-        self.render_mode = render_mode
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {
-            **type(self).metadata,
-            "render_fps": round(1 / self.config.decision_interval_s),
-            "autoreset_mode": self.autoreset_mode,
-        }
-        self.task_parameters: tuple[str, ...] = (self.obstacle.parameter,)
-        self.feature_names: tuple[str, ...] = FEATURE_NAMES
-        terms = observation_terms(self.obstacle)
-        bounds = np.array([term.bound for term in terms], dtype=np.float32)
-        self.single_observation_space = Box(-bounds, bounds, dtype=np.float32)
-        self.single_action_space = Box(-1.0, 1.0, shape=(len(ACTIONS),), dtype=np.float32)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-
-        threads = choose_threads(n_threads, num_envs)
-        self.simulation = Simulation(self.obstacle, self.config, num_envs, threads)
-        self._pictures = Pictures(self.simulation, render_mode, self.config.decision_interval_s)
-        self._distribution = TaskDistribution.uniform(
-            self.task_parameters,
-            np.array([self.obstacle.lower]),
-            np.array([self.obstacle.upper]),
-        )
-        self._streams = Streams(num_envs)
-        self._episodes = Episodes(num_envs, self.config)
-        self._observer = Observer(terms, num_envs)
-        self._randomiser: Randomiser | None = None
-        if not self.config.randomisation.is_off:
-            self._randomiser = Randomiser(
-                self.config.randomisation,
-                self.simulation.batch,
-                [term.name for term in terms],
-                len(ACTIONS),
-            )
-        self._fixed_start = fixed_start(self.config)
-        self._reward = Reward(self.config)
-        self._everywhere: BoolArray = np.ones(num_envs, dtype=np.bool_)
-        self._measures: Measures | None = None
-
-    # Tasks ------------------------------------------------------------------------------------
-
-    @property
-    def task_distribution(self) -> TaskDistribution:
-        """The distribution from which the next episodes' variants are drawn."""
-        return self._distribution
+        first = self.envs[0]
+        self.task_parameters = first.task_parameters
+        self.feature_names = first.feature_names
+        self.single_observation_space = _box(first.observation_space, "observations")
+        self.single_action_space = _box(first.action_space, "actions")
+        self._autoreset = autoreset
+        self._over: BoolArray = np.zeros(num_envs, dtype=np.bool_)
+        self._observations: list[Any] = [None] * num_envs
+        self._infos: list[dict[str, Any]] = [{}] * num_envs
 
     def set_task_distribution(self, distribution: TaskDistribution) -> None:
-        """Draw variants from ``distribution`` from the next reset of each environment on.
-
-        Parameters
-        ----------
-        distribution
-            Over the environment's ``task_parameters``, in mm.
-
-        Raises
-        ------
-        InputError
-            If the parameters differ or the bounds leave the admissible sizes.
-        """
-        if distribution.parameters != self.task_parameters:
-            raise InputError(
-                f"The task distribution is over {distribution.parameters}, the environment's "
-                f"parameters are {self.task_parameters}.",
-                remedy="Push a distribution made for this obstacle.",
-            )
-        self.obstacle.check_sizes(np.concatenate([distribution.lower, distribution.upper]))
-        self._distribution = distribution
-
-    # Episodes ---------------------------------------------------------------------------------
+        """Draw the tasks of coming episodes from another distribution."""
+        for env in self.envs:
+            env.set_task_distribution(distribution)
 
     def reset(
-        self,
-        *,
-        seed: int | Sequence[int | None] | None = None,
-        options: Mapping[str, Any] | None = None,
-    ) -> tuple[Observations, Infos]:
-        """Begin episodes.
-
-        Parameters
-        ----------
-        seed
-            An integer seeds environment ``i`` with the ``i``-th child of its seed sequence,
-            whatever ``num_envs``; a sequence gives each environment the seed that a single
-            environment would take; None goes on with the present streams.
-        options
-            ``"variant"``: size in mm, one for all, or of shape ``(env,)`` or ``(env, parameter)``,
-            instead of a draw. ``"start"``: ``"random"`` (default) as in training, or ``"fixed"``
-            as in roll-outs. ``"reset_mask"``: which environments to reset, shape ``(env,)``.
-
-        Raises
-        ------
-        InputError
-            If an option is unknown or does not fit.
-        """
-        chosen = read_options(options, self.obstacle, self.num_envs)
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[FloatArray, dict[str, Any]]:
+        """Begin an episode in every environment; ``variant`` holds one task per environment."""
+        seeds: list[int | None] = [None] * self.num_envs
         if seed is not None:
-            self._streams.seed(seed)
-            if not isinstance(seed, Sequence):
-                super().reset(seed=int(seed))
-        mask = chosen.mask | (self._measures is None)
-        measures = self._begin(np.flatnonzero(mask), chosen.variant, fixed=chosen.fixed)
-        return self._observe(measures), with_masks(self._infos(measures), self._everywhere)
-
-    def _begin(
-        self, envs: IntArray, variant: FloatArray | None = None, *, fixed: bool = False
-    ) -> Measures:
-        """Begin an episode in each of ``envs``, drawing what is not given."""
-        for env in envs.tolist():
-            rng = self._streams[env]
-            task = self._distribution.sample(rng, 1)[0] if variant is None else variant[env]
-            size = float(task[0])
-            start = (
-                self._fixed_start if fixed else random_start(self.obstacle, self.config, size, rng)
-            )
-            self._episodes.variant[env] = task
-            if self._randomiser is not None:
-                self._randomiser.begin(env, rng)
-            self.simulation.place(env, size, start)
-        self._episodes.begin(envs)
-        self._measures = self.simulation.measure()
-        return self._measures
+            spawned = np.random.SeedSequence(seed).spawn(self.num_envs)
+            seeds = [int(one.generate_state(1)[0]) for one in spawned]
+        rest = dict(options or {})
+        variants = rest.pop("variant", None)
+        for index, env in enumerate(self.envs):
+            own = rest if variants is None else {**rest, "variant": variants[index]}
+            begun = env.reset(seed=seeds[index], options=own)
+            self._observations[index], self._infos[index] = begun
+        self._over[:] = False
+        return self._stacked(), self._told()
 
     def step(
-        self, actions: npt.ArrayLike
-    ) -> tuple[Observations, FloatArray, BoolArray, BoolArray, Infos]:
-        """Hold ``actions`` of shape ``(env, 3)`` for a decision interval in every environment."""
-        if self._measures is None:
-            raise InputError("The environment has not been reset.", remedy="Call reset() first.")
-        episodes, randomiser, before = self._episodes, self._randomiser, self._measures
-        over = episodes.over if episodes.any_over else None
-        running = None if over is None else ~over
-        applied = checked_actions(actions, self.num_envs)
-        if randomiser is not None:
-            if randomiser.delay is not None:
-                applied = randomiser.delay.pass_on(applied, running)
-            randomiser.sense(self._streams, running)
-        diverged = self.simulation.advance(applied, running)
-        now = self._measures = self.simulation.measure()
-        change_deg = now.joints_deg - before.joints_deg
-        np.abs(change_deg, out=change_deg)
-        ended = episodes.go_on(now, change_deg, diverged, running)
-        reward = self._reward.running(now, change_deg)
-        if ended is not None:
-            reached = ended & episodes.success
-            failed = ended & episodes.terminated & ~reached
-            reward += self._reward.final(reached, failed)
-        if over is not None:
-            reward[over] = 0.0
-        terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
-        final: Infos = {}
-        if self.autoreset_mode is AutoresetMode.NEXT_STEP and over is not None:
-            now = self._begin(np.flatnonzero(over))
-            terminated[over] = truncated[over] = False
-        elif self.autoreset_mode is AutoresetMode.SAME_STEP and ended is not None:
-            final = final_infos(self._observe(now), self._infos(now), ended)
-            now = self._begin(np.flatnonzero(ended))
-        if self.render_mode == "human":
-            self.render()
-        infos = with_masks(self._infos(now), self._everywhere)
-        infos.update(final)
-        return self._observe(now), reward, terminated, truncated, infos
-
-    def _observe(self, measures: Measures) -> Observations:
-        noise = None if self._randomiser is None else self._randomiser.noise
-        return self._observer.observe(measures, self._episodes.variant[:, 0], noise)
-
-    def _infos(self, measures: Measures) -> Infos:
-        infos = step_infos(measures, self._episodes)
-        return infos if self._randomiser is None else infos | self._randomiser.infos()
-
-    def generator(self, env: int) -> np.random.Generator:
-        """Return the random stream of one environment."""
-        return self._streams[env]
-
-    # State ------------------------------------------------------------------------------------
+        self, actions: Any
+    ) -> tuple[FloatArray, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
+        """Take one decision in every environment whose episode is not over."""
+        rewards = np.zeros(self.num_envs)
+        terminated = np.zeros(self.num_envs, dtype=np.bool_)
+        truncated = np.zeros(self.num_envs, dtype=np.bool_)
+        for index in np.flatnonzero(~self._over):
+            observation, reward, ended, cut, info = self.envs[index].step(actions[index])
+            self._observations[index], self._infos[index] = observation, info
+            rewards[index], terminated[index], truncated[index] = reward, ended, cut
+        done = terminated | truncated
+        if not self._autoreset:
+            self._over |= done
+            return self._stacked(), rewards, terminated, truncated, self._told()
+        infos: dict[str, Any] = {}
+        if done.any():
+            infos = {"final_obs": self._stacked(), "final_info": self._told()}
+            for index in np.flatnonzero(done):
+                self._observations[index], self._infos[index] = self.envs[index].reset()
+        return self._stacked(), rewards, terminated, truncated, {**self._told(), **infos}
 
     def state_dict(self) -> dict[str, Any]:
-        """Return all that is needed to go on bit-identically: arrays and JSON-able values."""
-        if self._measures is None:
-            raise InputError(
-                "The environment has no state before its first reset.", remedy="Call reset() first."
-            )
-        return self._state()
-
-    def _state(self) -> dict[str, Any]:
-        return {
-            "schema": SCHEMA,
-            "obstacle": self.obstacle.name,
-            "simulation": np.array(self.simulation.batch.state),
-            "generators": self._streams.state(),
-            "task_distribution": dict(self._distribution.to_record()),
-            **self._episodes.state_dict(),
-            **({} if self._randomiser is None else self._randomiser.state_dict()),
-        }
+        """Return the state of every environment: its episode's task, seed and actions."""
+        return {f"env-{index}": env.state_dict() for index, env in enumerate(self.envs)}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from :meth:`state_dict` of an environment made with the same arguments.
+        """Go back to a saved state by taking the decisions of unfinished episodes again.
 
-        Raises
-        ------
-        InputError
-            If the state is of another version, obstacle, model or randomisation, or another number
-            of environments.
+        An environment that does not come to where it was is warned of: it holds something that
+        neither its seed nor its actions tell.
         """
-        check_state(state, self._state())
-        self.simulation.batch.state[:] = state["simulation"]
-        self._streams.load_state(state["generators"])
-        self._distribution = TaskDistribution.from_record(state["task_distribution"])
-        self._episodes.load_state_dict(state)
-        if self._randomiser is not None:
-            self._randomiser.load_state_dict(state)
-        self._measures = self.simulation.measure()
+        for index, env in enumerate(self.envs):
+            if not env.load_state_dict(state[f"env-{index}"]):
+                warnings.warn(
+                    "An environment took the same decisions with the same seed and came elsewhere: "
+                    "training goes on, but not as it would have without interruption. Check it "
+                    "with `surmount check`.",
+                    stacklevel=2,
+                )
 
-    # Pictures ---------------------------------------------------------------------------------
+    def close(self) -> None:
+        """Close every environment."""
+        for env in self.envs:
+            env.close()
 
-    def render(self) -> tuple[Any, ...] | None:
-        """Return one frame per environment, or show the first one in a window."""
-        return None if self._measures is None else self._pictures.render()
+    def _stacked(self) -> FloatArray:
+        return np.stack([np.asarray(one) for one in self._observations])
 
-    def close_extras(self, **kwargs: Any) -> None:
-        """Release graphics."""
-        del kwargs
-        self._pictures.close()
+    def _told(self) -> dict[str, Any]:
+        return {key: np.stack([info[key] for info in self._infos]) for key in KEYS}
+
+
+def _box(space: gymnasium.Space[Any], what: str) -> gymnasium.spaces.Box:
+    if not isinstance(space, gymnasium.spaces.Box):
+        raise InputError(
+            f"The environment's {what} are {space}.",
+            remedy="The whole protocol needs boxes; with others, use the callback in a script of "
+            "your own.",
+        )
+    return space

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from surmount.core.errors import ConfigError, InputError, OutputError
-from surmount.core.store import output_errors
+from surmount.workflow.store import output_errors
 
 Frame = npt.NDArray[np.uint8]
 """A picture, shape ``(height, width, 3)``."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 from surmount.analysis import AnalysisConfig
 from surmount.core.errors import ConfigError
-from surmount.core.run_layout import MOST_NETWORKS
-from surmount.envs import EnvConfig
 from surmount.learn import LearnerConfig, RolloutConfig
+from surmount.rstar.course import EnvConfig
 from surmount.teachers import AdvancementConfig
+from surmount.workflow.run_layout import MOST_NETWORKS
 
 MOST_STEPS = 10**12
 """Beyond any run; a mistyped number is told before it fills the memory."""

@@ -11,12 +11,12 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
-from surmount.core.monitor import Monitor
-from surmount.core.trials import Trials
-from surmount.envs import Obstacle
 from surmount.experiment.origin import NO_CHANGES, course, home
 from surmount.experiment.task_family import obstacle_family
 from surmount.learn import Actor, RolloutConfig, Snapshot, roll_out
+from surmount.rstar.course import Obstacle
+from surmount.trials.trials import Trials
+from surmount.workflow.monitor import Monitor
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

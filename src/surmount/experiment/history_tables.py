@@ -6,8 +6,8 @@ from pathlib import Path
 
 import polars as pl
 
-from surmount.core.training_episodes import EPISODES
 from surmount.learn import History
+from surmount.learn.training_episodes import EPISODES
 
 HISTORY = "history.parquet"
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.curriculum import Curriculum
-from surmount.core.regions import Regions
-from surmount.core.training_episodes import TrainingEpisodes
+from surmount.learn.training_episodes import TrainingEpisodes
 from surmount.stats import StepsToThreshold, steps_to_threshold
+from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.regions import Regions
 
 EVALUATIONS = 40
 """Moments, evenly over the longest training, at which success in training is looked at."""

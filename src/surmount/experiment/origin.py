@@ -10,12 +10,12 @@ from typing import Any
 
 from surmount.core.configuration import from_record, override
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.run_folder import RunFolder, open_run
-from surmount.core.run_layout import RUN
-from surmount.envs import OBSTACLES, EnvConfig, Obstacle, find_obstacle
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.presets import preset
 from surmount.learn import TRAINED_ON, Snapshot
+from surmount.rstar.course import OBSTACLES, EnvConfig, Obstacle, find_obstacle
+from surmount.workflow.run_folder import RunFolder, open_run
+from surmount.workflow.run_layout import RUN
 
 NO_CHANGES: Mapping[str, Any] = MappingProxyType({})
 

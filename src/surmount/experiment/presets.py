@@ -7,10 +7,10 @@ from dataclasses import replace
 from surmount.analysis import AnalysisConfig
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
-from surmount.envs import OBSTACLES
+from surmount.envs import is_own, source_hash
 from surmount.experiment.config import ExperimentConfig
 from surmount.learn import LearnerConfig, RolloutConfig
-from surmount.own import is_own, source_hash
+from surmount.rstar.course import OBSTACLES
 from surmount.teachers import AdvancementConfig
 
 SCALES = ("smoke", "paper")

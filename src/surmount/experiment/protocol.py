@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from surmount.core.configuration import Record, to_record
-from surmount.core.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.graph import Stage, StageFunction
 from surmount.experiment.statistics import compare
 from surmount.experiment.task_family import task_family, task_part
 from surmount.experiment.trial_stages import trial_stages
+from surmount.workflow.graph import Stage, StageFunction
+from surmount.workflow.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
 
 
 def protocol(config: ExperimentConfig) -> list[Stage]:

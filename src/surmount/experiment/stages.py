@@ -20,17 +20,7 @@ from typing import Any
 
 from surmount.analysis import AnalysisConfig, determine_curriculum
 from surmount.core.configuration import from_record
-from surmount.core.curriculum import Curriculum
 from surmount.core.records import read_record, write_record
-from surmount.core.regions import Regions
-from surmount.core.run_layout import SCHEMA
-from surmount.core.store import Artefact
-from surmount.core.teacher import Teacher
-from surmount.core.training_episodes import TRAINING
-from surmount.core.trial_table import read_trials, write_trials
-from surmount.core.trials import Trials
-from surmount.envs import EnvConfig
-from surmount.experiment.graph import StageContext
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.task_family import TaskFamily, task_family
 from surmount.learn import (
@@ -44,7 +34,17 @@ from surmount.learn import (
     Training,
     roll_out,
 )
+from surmount.learn.training_episodes import TRAINING
+from surmount.rstar.course import EnvConfig
+from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.regions import Regions
 from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher
+from surmount.teachers.teacher import Teacher
+from surmount.trials.table import read_trials, write_trials
+from surmount.trials.trials import Trials
+from surmount.workflow.graph import StageContext
+from surmount.workflow.run_layout import SCHEMA
+from surmount.workflow.store import Artefact
 
 NETWORK = "network.safetensors"
 TRIALS = "trials.parquet"

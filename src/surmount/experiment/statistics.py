@@ -7,14 +7,10 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
-from surmount.core.run_layout import ARMS, SCHEMA
-from surmount.core.training_episodes import read_episodes
-from surmount.core.trials import Trials, success_rates
-from surmount.experiment.graph import StageContext
 from surmount.experiment.learning_speed import steps_to_95
 from surmount.experiment.stages import CURRICULUM, pooled_trials
+from surmount.learn.training_episodes import read_episodes
 from surmount.stats import (
     Bootstrap,
     bootstrap_interval,
@@ -27,6 +23,10 @@ from surmount.stats import (
     proportion_intervals,
     proportion_test,
 )
+from surmount.tasks.curriculum import Curriculum
+from surmount.trials.trials import Trials, success_rates
+from surmount.workflow.graph import StageContext
+from surmount.workflow.run_layout import ARMS, SCHEMA
 
 STATISTICS = "statistics.json"
 TIME = "time_s"

@@ -11,12 +11,7 @@ from gymnasium.vector import AutoresetMode
 from surmount.core.arrays import FloatArray
 from surmount.core.configuration import Record, to_record
 from surmount.core.errors import ConfigError
-from surmount.core.tasks import TaskDistribution
-from surmount.envs import EnvConfig, ObstacleVectorEnv, find_obstacle
-from surmount.envs.scene import model_hash
-from surmount.experiment.config import ExperimentConfig
-from surmount.learn import TaskVectorEnv
-from surmount.own import (
+from surmount.envs import (
     TaskBatch,
     TaskEnv,
     is_own,
@@ -25,6 +20,11 @@ from surmount.own import (
     source_hash,
     time_limit,
 )
+from surmount.experiment.config import ExperimentConfig
+from surmount.learn import TaskVectorEnv
+from surmount.rstar.course import EnvConfig, ObstacleVectorEnv, find_obstacle
+from surmount.rstar.course.scene import model_hash
+from surmount.tasks.distribution import TaskDistribution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +93,7 @@ def own_family(name: str, sha256: str) -> TaskFamily:
     ConfigError
         If the file has changed since, or there is no time limit.
     InputError
-        If the function needs arguments, fails, or returns no :class:`surmount.own.TaskEnv`.
+        If the function needs arguments, fails, or returns no :class:`surmount.envs.TaskEnv`.
     """
     make_env = load_make_env(name)
     if source_hash(name) != sha256:

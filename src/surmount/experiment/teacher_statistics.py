@@ -8,15 +8,11 @@ import numpy as np
 
 from surmount.analysis import Analysis
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
-from surmount.core.run_layout import SCHEMA
-from surmount.core.store import Artefact
-from surmount.core.training_episodes import TrainingEpisodes, read_episodes
-from surmount.experiment.graph import StageContext
 from surmount.experiment.learning_speed import WINDOW, steps_to_95
 from surmount.experiment.stages import ANALYSIS, pooled_trials
 from surmount.experiment.statistics import success_matrix
+from surmount.learn.training_episodes import TrainingEpisodes, read_episodes
 from surmount.stats import (
     Bootstrap,
     bootstrap_interval,
@@ -24,7 +20,11 @@ from surmount.stats import (
     network_difference,
     probability_of_improvement,
 )
+from surmount.tasks.curriculum import Curriculum
 from surmount.teachers import TaskCells, find_teacher
+from surmount.workflow.graph import StageContext
+from surmount.workflow.run_layout import SCHEMA
+from surmount.workflow.store import Artefact
 
 FILE = "teachers.json"
 REFERENCES = ("paper", "uniform")

@@ -14,26 +14,26 @@ from typing import Any
 from surmount.analysis import Analysis, AnalysisConfig
 from surmount.core.configuration import from_record, to_record
 from surmount.core.records import read_record
-from surmount.core.regions import Regions
-from surmount.core.run_layout import ANALYSIS, TRIALS, per_network
 from surmount.core.seeds import derive_seed
-from surmount.core.task_space import harder_by_success
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.graph import Stage, StageContext
 from surmount.experiment.protocol import protocol
 from surmount.experiment.task_family import task_part
 from surmount.experiment.teacher_statistics import compare_teachers
 from surmount.experiment.trial_stages import trial_stages
 from surmount.learn import Snapshot
+from surmount.tasks.regions import Regions
+from surmount.tasks.space import harder_by_success
 from surmount.teachers import (
     AdvancementConfig,
-    Brief,
+    TeacherContext,
     TeachersConfig,
     UniformTeacher,
     find_teacher,
     make_teacher,
 )
+from surmount.workflow.graph import Stage, StageContext
+from surmount.workflow.run_layout import ANALYSIS, TRIALS, per_network
 
 OWN_ARMS = {"paper": "curriculum", "uniform": "control"}
 """Teachers that every experiment has, by the name of their stage."""
@@ -142,7 +142,7 @@ def learn_by_teacher(context: StageContext) -> None:
     analysis = Analysis.load(stages.only(context, "analysis").path(stages.ANALYSIS))
     steps = int(read_record(stages.only(context, "curriculum").path(stages.TRAINING))["steps"])
     config: Mapping[str, Any] = context.config
-    brief = Brief(
+    teacher_context = TeacherContext(
         curriculum=analysis.curriculum,
         variants=analysis.variants,
         success_rate=analysis.success_rate,
@@ -159,9 +159,9 @@ def learn_by_teacher(context: StageContext) -> None:
     training = stages.train(
         context,
         family,
-        make_teacher(str(config["teacher"]), brief)
+        make_teacher(str(config["teacher"]), teacher_context)
         if steps
-        else UniformTeacher(brief.whole_range, 0),
+        else UniformTeacher(teacher_context.whole_range, 0),
         start=start,
         regions=Regions.of(analysis.curriculum),
     )

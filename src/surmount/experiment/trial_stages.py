@@ -6,9 +6,9 @@ from surmount.core.configuration import Record
 from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.graph import Stage
 from surmount.experiment.stages import FIRST
 from surmount.experiment.task_family import task_part
+from surmount.workflow.graph import Stage
 
 
 def trial_stages(

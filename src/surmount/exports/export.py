@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
+from surmount.tasks.curriculum import Curriculum
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,10 @@ from collections.abc import Callable
 from importlib import resources
 
 from surmount.core.configuration import nearest
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import ConfigError
 from surmount.exports.export import Export, require_levels
 from surmount.exports.ml_agents import export_ml_agents
+from surmount.tasks.curriculum import Curriculum
 
 _EQ5 = (
     "The file holds levels and the defaults of eq. 5's test; change the lengths at its top to "

@@ -14,10 +14,10 @@ import json
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
-from surmount.core.tasks import TaskDistribution
 from surmount.exports.export import Export, require_levels
+from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.distribution import TaskDistribution
 
 MOST_INTERVALS = 400
 """Intervals of one level at the most, where it has few boxes."""

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.table_file import read_columns
-from surmount.core.trial_table import trials_from_table
-from surmount.core.trials import Trials
+from surmount.trials.table import trials_from_table
+from surmount.trials.table_file import read_columns
+from surmount.trials.trials import Trials
 
 _RESERVED = ("variant", "network", "trial", "success")
 """Columns of a table of trials that are no features."""

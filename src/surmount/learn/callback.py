@@ -13,18 +13,18 @@ from stable_baselines3.common.vec_env import VecEnv
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record, write_record
-from surmount.core.regions import Regions
-from surmount.core.task_space import TaskSpace
-from surmount.core.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
 from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.value_errors import EpisodeErrors
+from surmount.tasks.regions import Regions
+from surmount.tasks.space import TaskSpace
+from surmount.teachers.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
 
 
 class TeacherCallback(BaseCallback):
     """Pushes a teacher's distributions to the environments and tells it what came of them.
 
     Environments take them by ``set_task_distribution`` and say ``variant`` and ``is_success`` in
-    their infos, as :class:`surmount.own.TaskEnv` does. Training ends when the teacher is finished,
+    their infos, as :class:`surmount.envs.TaskEnv` does. Training ends when the teacher is finished,
     at the latest after the steps given to ``learn``. Rewards are taken before ``VecNormalize``.
 
     Parameters
@@ -33,7 +33,7 @@ class TeacherCallback(BaseCallback):
         The teacher.
     regions
         Parts of the space of tasks whose weight and success are logged, such as the groups of a
-        curriculum; by default the variants of :class:`surmount.own.TaskEnv`, up to
+        curriculum; by default the variants of :class:`surmount.envs.TaskEnv`, up to
         :data:`surmount.learn.curriculum_log.MOST_REGIONS` of them.
     update_steps
         Learning steps between two updates of the teacher with learners without roll-outs, such as
@@ -144,7 +144,7 @@ class TeacherCallback(BaseCallback):
         if not self.training_env.has_attr("set_task_distribution"):
             raise InputError(
                 "The environments take no task distribution.",
-                remedy="Wrap each in `surmount.own.TaskEnv` before it goes into the vector "
+                remedy="Wrap each in `surmount.envs.TaskEnv` before it goes into the vector "
                 "environment.",
             )
 
@@ -158,7 +158,7 @@ class TeacherCallback(BaseCallback):
             if key not in info:
                 raise InputError(
                     f"The infos of an ended episode hold no `{key}`.",
-                    remedy="Wrap each environment in `surmount.own.TaskEnv`.",
+                    remedy="Wrap each environment in `surmount.envs.TaskEnv`.",
                 )
         self._rows.append(
             {

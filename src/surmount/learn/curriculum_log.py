@@ -23,10 +23,10 @@ from __future__ import annotations
 from stable_baselines3.common.logger import Logger
 
 from surmount.analysis.cells import cells
-from surmount.core.regions import Regions, success_by_region
-from surmount.core.task_space import TaskSpace
-from surmount.core.tasks import TaskDistribution
-from surmount.core.teacher import LevelTest, RolloutOutcome
+from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.regions import Regions, success_by_region
+from surmount.tasks.space import TaskSpace
+from surmount.teachers.teacher import LevelTest, RolloutOutcome
 
 MOST_REGIONS = 24
 """Variants beyond which each having a curve of its own would hide the others."""

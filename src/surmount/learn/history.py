@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.teacher import Episodes, RolloutOutcome
+from surmount.teachers.teacher import Episodes, RolloutOutcome
 
 
 class History:

@@ -16,10 +16,10 @@ from stable_baselines3.common.type_aliases import Schedule
 from stable_baselines3.common.utils import explained_variance
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from surmount.learn.collection import Collection
 from surmount.learn.config import LearnerConfig
 from surmount.learn.faults import is_sound_update
-from surmount.learn.perceptron import ACTIVATIONS, ActorCritic
+from surmount.learn.mlp import ACTIVATIONS, ActorCritic
+from surmount.learn.rollout_collector import RolloutCollector
 from surmount.learn.update import Batch, Loss, ppo_loss
 
 ADAM_EPSILON = 1e-5
@@ -120,7 +120,7 @@ class ResumablePPO(PPO):
             return super().collect_rollouts(env, callback, rollout_buffer, n_rollout_steps)
         self.policy.set_training_mode(False)
         rollout_buffer.reset()
-        collection = Collection(networks, rollout_buffer, self.action_space)
+        collection = RolloutCollector(networks, rollout_buffer, self.action_space)
         observations: Any = self._last_obs
         starts: Any = self._last_episode_starts
         callback.on_rollout_start()

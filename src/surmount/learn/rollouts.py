@@ -13,16 +13,16 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.monitor import Interrupted, Monitor, Progress
-from surmount.core.trials import Trials
-from surmount.learn.perceptron import ACTIVATIONS
+from surmount.learn.mlp import ACTIVATIONS
+from surmount.learn.recorder import TaskVectorEnv
 from surmount.learn.snapshot import (
     Snapshot,
     check_architecture,
     missing_weights,
     policy_weights,
 )
-from surmount.learn.task_env import TaskVectorEnv
+from surmount.trials.trials import Trials
+from surmount.workflow.monitor import Interrupted, Monitor, Progress
 
 CLIP_OBSERVATION = 10.0
 """Standardised observations are clipped as in training (Stable-Baselines3's default)."""

@@ -22,7 +22,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from surmount.core.errors import InputError, IntegrityError, SurmountError
 from surmount.core.records import canonical_json, parse_record, write_atomically
-from surmount.learn.perceptron import ACTIVATIONS
+from surmount.learn.mlp import ACTIVATIONS
 
 Tensors = dict[str, np.ndarray]
 SCHEMA = 1

@@ -12,9 +12,6 @@ import numpy as np
 from stable_baselines3.common.utils import set_random_seed
 
 from surmount.core.errors import InputError, LearningError
-from surmount.core.monitor import Interrupted, Monitor, Progress
-from surmount.core.regions import Regions
-from surmount.core.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.learn import snapshot
 from surmount.learn.config import LearnerConfig
 from surmount.learn.curriculum_log import log_curriculum
@@ -23,8 +20,11 @@ from surmount.learn.history import History
 from surmount.learn.loggers import training_logger
 from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO
+from surmount.learn.recorder import Recorder, TaskVectorEnv
 from surmount.learn.snapshot import Snapshot, Tensors
-from surmount.learn.task_env import Recorder, TaskVectorEnv
+from surmount.tasks.regions import Regions
+from surmount.teachers.teacher import LevelTest, RolloutOutcome, Teacher
+from surmount.workflow.monitor import Interrupted, Monitor, Progress
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,7 +11,7 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from torch.nn import functional
 
 from surmount.learn.gaussian import entropy, log_density
-from surmount.learn.perceptron import ActorCritic
+from surmount.learn.mlp import ActorCritic
 
 ADVANTAGE_EPSILON = 1e-8
 """Added to the deviation of a batch's advantages (Stable-Baselines3's)."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from surmount.analysis import Analysis, describe_trust
 from surmount.analysis.explanation import describe_rule, link_table
-from surmount.report.document import Column, Document, Fold, Paragraph, Section, Table
-from surmount.report.grouping_section import grouping_section
-from surmount.report.summary import grouping_sentence, level_sentence
-from surmount.report.text import axis_label, integer, listed
+from surmount.report.document.parts import Column, Document, Fold, Paragraph, Section, Table
+from surmount.report.document.text import axis_label, integer, listed
+from surmount.report.sections.grouping import grouping_section
+from surmount.report.sections.summary import grouping_sentence, level_sentence
 
 WORDS = 2
 """Columns of the table of links that hold words; the others hold numbers."""

@@ -8,8 +8,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from surmount.core.run_folder import Record
-from surmount.core.run_layout import ARMS
 from surmount.stats import (
     Interaction,
     KaplanMeier,
@@ -20,6 +18,8 @@ from surmount.stats import (
     SeedInterval,
     StepsToThreshold,
 )
+from surmount.workflow.run_folder import Record
+from surmount.workflow.run_layout import ARMS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from surmount.report.document import Document, Section
-from surmount.report.evidence_section import evidence_section
-from surmount.report.film_section import film_section
-from surmount.report.grouping_section import grouping_section
-from surmount.report.learning_section import learning_section
-from surmount.report.paper_section import paper_section
-from surmount.report.provenance_section import provenance_section
+from surmount.report.document.parts import Document, Section
 from surmount.report.results import RunResults
-from surmount.report.summary import facts, notices, summary
-from surmount.report.testing_section import testing_section
+from surmount.report.sections.evidence import evidence_section
+from surmount.report.sections.film import film_section
+from surmount.report.sections.grouping import grouping_section
+from surmount.report.sections.learning import learning_section
+from surmount.report.sections.provenance import provenance_section
+from surmount.report.sections.summary import facts, notices, summary
+from surmount.report.sections.testing import testing_section
+from surmount.studies.paper.section import paper_section
 
 
 def document_of(results: RunResults) -> Document:

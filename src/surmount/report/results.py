@@ -13,17 +13,17 @@ import polars as pl
 
 from surmount.analysis import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
-from surmount.core.run_folder import RunFolder, open_run
-from surmount.core.run_layout import TRAININGS, TRIALS, read_run_record
-from surmount.core.store import Artefact
-from surmount.core.teacher import LevelTest
-from surmount.core.training_episodes import EPISODES, TrainingEpisodes, read_episodes
-from surmount.core.trial_table import read_trials
-from surmount.core.trials import Trials, success_rates
+from surmount.learn.training_episodes import EPISODES, TrainingEpisodes, read_episodes
 from surmount.report.comparison import Comparison, comparison_of
-from surmount.report.film_section import FilmedTrial, read_films
+from surmount.report.sections.film import FilmedTrial, read_films
+from surmount.tasks.curriculum import Curriculum
+from surmount.teachers.teacher import LevelTest
+from surmount.trials.table import read_trials
+from surmount.trials.trials import Trials, success_rates
+from surmount.workflow.run_folder import RunFolder, open_run
+from surmount.workflow.run_layout import TRAININGS, TRIALS, read_run_record
+from surmount.workflow.store import Artefact
 
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
@@ -128,7 +128,7 @@ def read_run(root: Path) -> RunResults:
     Raises
     ------
     SurmountError
-        As :func:`~surmount.core.run_folder.open_run`; an ``IntegrityError`` for every artefact
+        As :func:`~surmount.workflow.run_folder.open_run`; an ``IntegrityError`` for every artefact
         whose content does not fit its hash.
     """
     folder = open_run(root)

@@ -10,7 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.report.document import (
+from surmount.report.document.parts import (
     Block,
     Column,
     Document,
@@ -21,10 +21,7 @@ from surmount.report.document import (
     Section,
     Table,
 )
-from surmount.report.palette import INK, SEQUENTIAL
-from surmount.report.plots import compact, plain, plot
-from surmount.report.stills import axes_grid
-from surmount.report.text import (
+from surmount.report.document.text import (
     counted,
     integer,
     listed,
@@ -34,6 +31,9 @@ from surmount.report.text import (
     signed,
     variant_label,
 )
+from surmount.report.figures.palette import INK, SEQUENTIAL
+from surmount.report.figures.plots import compact, plain, plot
+from surmount.report.figures.stills import axes_grid
 from surmount.report.writing import write_document
 
 NAME = "teachers"

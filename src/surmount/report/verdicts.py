@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from surmount.core.run_layout import ARMS
 from surmount.report.comparison import GroupComparison
-from surmount.report.text import p_value, significant
+from surmount.report.document.text import p_value, significant
 from surmount.stats import LogRank, MethodContrast, ProportionTest
+from surmount.workflow.run_layout import ARMS
 
 NOT_TESTABLE = "not testable"
 NO_DIFFERENCE = "no difference shown"

@@ -8,15 +8,15 @@ from typing import Any
 
 from surmount.analysis import Analysis
 from surmount.core.records import write_atomically
-from surmount.core.store import output_errors, refuse_links
 from surmount.report.analysis_page import document_of_analysis
 from surmount.report.contents import document_of
-from surmount.report.document import Document
-from surmount.report.markdown import markdown
-from surmount.report.overview import overview_of
-from surmount.report.page import page
+from surmount.report.document.markdown import markdown
+from surmount.report.document.page import page
+from surmount.report.document.parts import Document
+from surmount.report.figures.stills import draw, write_still
 from surmount.report.results import read_run
-from surmount.report.stills import draw, write_still
+from surmount.studies.paper.overview import overview_of
+from surmount.workflow.store import output_errors, refuse_links
 
 FIGURES = "figures"
 

@@ -5,7 +5,7 @@ from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
 from surmount.teachers.budget import BudgetedLevels
 from surmount.teachers.catalogue import (
     TEACHERS,
-    Brief,
+    TeacherContext,
     TeachersConfig,
     find_teacher,
     make_teacher,
@@ -24,7 +24,6 @@ __all__ = [
     "AdvancementConfig",
     "AlpGmmConfig",
     "AlpGmmTeacher",
-    "Brief",
     "BudgetedLevels",
     "LearnabilityConfig",
     "LearnabilityTeacher",
@@ -37,6 +36,7 @@ __all__ = [
     "SelfPacedConfig",
     "SelfPacedTeacher",
     "TaskCells",
+    "TeacherContext",
     "TeachersConfig",
     "UniformTeacher",
     "find_teacher",

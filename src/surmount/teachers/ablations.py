@@ -13,8 +13,8 @@ from surmount.analysis.dendrogram import build_dendrogram, relabelled
 from surmount.analysis.groups import group_names, rank_groups
 from surmount.analysis.levels import build_levels
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.curriculum import Curriculum, Group, Level
 from surmount.core.seeds import generator
+from surmount.tasks.curriculum import Curriculum, Group, Level
 from surmount.teachers.cells import TaskCells
 
 _DECIMALS = 9

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.tasks import TaskDistribution
-from surmount.core.teacher import RolloutOutcome, TeacherStatus
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.draws import Draws
 from surmount.teachers.state import belongs_to, require_same
+from surmount.teachers.teacher import RolloutOutcome, TeacherStatus
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,7 +23,7 @@ class EndedEpisode:
     Attributes
     ----------
     episode_return, length, task, progress, env_id, value_error
-        As the arguments of :meth:`surmount.core.teacher.Teacher.update_on_episode`.
+        As the arguments of :meth:`surmount.teachers.teacher.Teacher.update_on_episode`.
     """
 
     episode_return: float
@@ -88,7 +88,7 @@ class AdaptiveTeacher(ABC):
         *,
         value_error: float | None = None,
     ) -> None:
-        """Take one episode that ended; see :class:`surmount.core.teacher.Teacher`."""
+        """Take one episode that ended; see :class:`surmount.teachers.teacher.Teacher`."""
         self._steps += length
         self.take(
             EndedEpisode(

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from surmount.analysis import AnalysisConfig, fit_mixture
+from surmount.analysis.mixture import Mixture
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
-from surmount.core.mixture import Mixture
 from surmount.core.seeds import derive_seed, generator
-from surmount.core.tasks import TaskDistribution
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
 from surmount.teachers.points import points_within
 from surmount.teachers.shares import require_shares

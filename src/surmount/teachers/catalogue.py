@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.core.arrays import FloatArray
 from surmount.core.configuration import nearest
-from surmount.core.curriculum import Curriculum
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import derive_seed
-from surmount.core.tasks import TaskDistribution
-from surmount.core.teacher import Teacher
+from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers import ablations
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
@@ -24,6 +23,7 @@ from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.promotion import PromotionTeacher
 from surmount.teachers.replay import ReplayConfig, ReplayTeacher
 from surmount.teachers.self_paced import SelfPacedConfig, SelfPacedTeacher
+from surmount.teachers.teacher import Teacher
 from surmount.teachers.uniform import UniformTeacher
 
 
@@ -48,7 +48,7 @@ class TeachersConfig:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Brief:
+class TeacherContext:
     """What teachers are made of: the task, what its analysis found, and the budget.
 
     Attributes
@@ -106,10 +106,10 @@ class Entry:
 
     title: str
     source: str
-    make: Callable[[Brief], Teacher]
+    make: Callable[[TeacherContext], Teacher]
 
 
-def make_teacher(name: str, brief: Brief) -> Teacher:
+def make_teacher(name: str, context: TeacherContext) -> Teacher:
     """Make a teacher by its name.
 
     Raises
@@ -117,7 +117,7 @@ def make_teacher(name: str, brief: Brief) -> Teacher:
     ConfigError
         If there is none of this name, or it needs levels and the curriculum has none.
     """
-    return find_teacher(name).make(brief)
+    return find_teacher(name).make(context)
 
 
 def find_teacher(name: str) -> Entry:
@@ -133,112 +133,115 @@ def find_teacher(name: str) -> Entry:
     return TEACHERS[name]
 
 
-def _levels(curriculum: Curriculum, brief: Brief) -> Teacher:
+def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
     if not curriculum.levels:
         raise ConfigError(
             "The curriculum has no levels: every group already succeeds.",
             remedy="Shorten the initiation, so that something is left to learn.",
         )
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
-    inner = LevelTeacher(levels, brief.advancement, seed=brief.seed)
-    return BudgetedLevels(inner, brief.total_steps)
+    inner = LevelTeacher(levels, context.advancement, seed=context.seed)
+    return BudgetedLevels(inner, context.total_steps)
 
 
-def _paper(brief: Brief) -> Teacher:
-    return _levels(brief.curriculum, brief)
+def _paper(context: TeacherContext) -> Teacher:
+    return _levels(context.curriculum, context)
 
 
-def _uniform(brief: Brief) -> Teacher:
-    return UniformTeacher(brief.whole_range, brief.total_steps, seed=brief.seed)
+def _uniform(context: TeacherContext) -> Teacher:
+    return UniformTeacher(context.whole_range, context.total_steps, seed=context.seed)
 
 
-def _hardest(brief: Brief) -> Teacher:
-    groups = brief.curriculum.groups
+def _hardest(context: TeacherContext) -> Teacher:
+    groups = context.curriculum.groups
     return UniformTeacher(
-        brief.curriculum.group_distribution(len(groups) - 1),
-        brief.total_steps,
+        context.curriculum.group_distribution(len(groups) - 1),
+        context.total_steps,
         label=f"{groups[-1].name} group only",
-        seed=brief.seed,
+        seed=context.seed,
     )
 
 
-def _easy_to_hard(brief: Brief) -> Teacher:
+def _easy_to_hard(context: TeacherContext) -> Teacher:
     made = ablations.easy_to_hard(
-        brief.curriculum, brief.cells, brief.success_rate, brief.harder, brief.analysis
+        context.curriculum, context.cells, context.success_rate, context.harder, context.analysis
     )
-    return _levels(made, brief)
+    return _levels(made, context)
 
 
-def _random_order(brief: Brief) -> Teacher:
-    seed = derive_seed(brief.seed, "random order")
-    return _levels(ablations.randomly_ordered(brief.curriculum, seed), brief)
+def _random_order(context: TeacherContext) -> Teacher:
+    seed = derive_seed(context.seed, "random order")
+    return _levels(ablations.randomly_ordered(context.curriculum, seed), context)
 
 
-def _equal_weights(brief: Brief) -> Teacher:
-    return _levels(ablations.equally_weighted(brief.curriculum), brief)
+def _equal_weights(context: TeacherContext) -> Teacher:
+    return _levels(ablations.equally_weighted(context.curriculum), context)
 
 
-def _parameter_distance(brief: Brief) -> Teacher:
+def _parameter_distance(context: TeacherContext) -> Teacher:
     made = ablations.by_parameter_distance(
-        brief.curriculum, brief.variants, brief.success_rate, brief.analysis
+        context.curriculum, context.variants, context.success_rate, context.analysis
     )
-    return _levels(made, brief)
+    return _levels(made, context)
 
 
-def _stepwise(brief: Brief) -> Teacher:
-    return _levels(ablations.stepwise(brief.curriculum), brief)
+def _stepwise(context: TeacherContext) -> Teacher:
+    return _levels(ablations.stepwise(context.curriculum), context)
 
 
-def _promotion(brief: Brief) -> Teacher:
+def _promotion(context: TeacherContext) -> Teacher:
     return PromotionTeacher(
-        brief.cells,
-        brief.harder,
-        learners=brief.environments,
-        total_steps=brief.total_steps,
-        seed=brief.seed,
+        context.cells,
+        context.harder,
+        learners=context.environments,
+        total_steps=context.total_steps,
+        seed=context.seed,
     )
 
 
-def _learning_progress(brief: Brief) -> Teacher:
+def _learning_progress(context: TeacherContext) -> Teacher:
     return LearningProgressTeacher(
-        brief.cells,
-        total_steps=brief.total_steps,
-        seed=brief.seed,
-        config=brief.teachers.learning_progress,
+        context.cells,
+        total_steps=context.total_steps,
+        seed=context.seed,
+        config=context.teachers.learning_progress,
     )
 
 
-def _learnability(brief: Brief) -> Teacher:
+def _learnability(context: TeacherContext) -> Teacher:
     return LearnabilityTeacher(
-        brief.cells,
-        total_steps=brief.total_steps,
-        seed=brief.seed,
-        config=brief.teachers.learnability,
+        context.cells,
+        total_steps=context.total_steps,
+        seed=context.seed,
+        config=context.teachers.learnability,
     )
 
 
-def _alp_gmm(brief: Brief) -> Teacher:
+def _alp_gmm(context: TeacherContext) -> Teacher:
     return AlpGmmTeacher(
-        brief.whole_range,
-        total_steps=brief.total_steps,
-        seed=brief.seed,
-        config=brief.teachers.alp_gmm,
+        context.whole_range,
+        total_steps=context.total_steps,
+        seed=context.seed,
+        config=context.teachers.alp_gmm,
     )
 
 
-def _plr(brief: Brief) -> Teacher:
+def _plr(context: TeacherContext) -> Teacher:
     return ReplayTeacher(
-        brief.cells, total_steps=brief.total_steps, seed=brief.seed, config=brief.teachers.plr
+        context.cells,
+        total_steps=context.total_steps,
+        seed=context.seed,
+        config=context.teachers.plr,
     )
 
 
-def _spdl(brief: Brief) -> Teacher:
+def _spdl(context: TeacherContext) -> Teacher:
     return SelfPacedTeacher(
-        brief.whole_range,
-        brief.curriculum.group_distribution(0),
-        total_steps=brief.total_steps,
-        seed=brief.seed,
-        config=brief.teachers.spdl,
+        context.whole_range,
+        context.curriculum.group_distribution(0),
+        total_steps=context.total_steps,
+        seed=context.seed,
+        config=context.teachers.spdl,
     )
 
 

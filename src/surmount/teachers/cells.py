@@ -9,7 +9,7 @@ import numpy as np
 from surmount.analysis.cells import cells
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
-from surmount.core.tasks import TaskDistribution
+from surmount.tasks.distribution import TaskDistribution
 
 
 class TaskCells:

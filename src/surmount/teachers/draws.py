@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from surmount.core.arrays import FloatArray
 from surmount.core.seeds import generator
-from surmount.core.tasks import TaskDistribution
+from surmount.tasks.distribution import TaskDistribution
 
 
 class Draws:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.tasks import TaskDistribution, TaskDistributionRecord
-from surmount.core.teacher import Decision, LevelTest, RolloutOutcome, TeacherStatus
+from surmount.tasks.distribution import TaskDistribution, TaskDistributionRecord
 from surmount.teachers.advancement import AdvancementConfig, gain_ratio, passes
 from surmount.teachers.draws import Draws
 from surmount.teachers.state import belongs_to, require_same
+from surmount.teachers.teacher import Decision, LevelTest, RolloutOutcome, TeacherStatus
 
 _NAME = "levels"
 

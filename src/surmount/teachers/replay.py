@@ -10,7 +10,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
-from surmount.core.tasks import TaskDistribution
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
 from surmount.teachers.cells import TaskCells
 

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import generator
-from surmount.core.tasks import TaskDistribution
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
 from surmount.teachers.points import points_within
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from surmount.core.arrays import FloatArray
-from surmount.core.tasks import TaskDistribution
-from surmount.core.teacher import RolloutOutcome, TeacherStatus
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.draws import Draws
 from surmount.teachers.state import belongs_to, require_same
+from surmount.teachers.teacher import RolloutOutcome, TeacherStatus
 
 _NAME = "one distribution"
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import polars as pl
 
-from surmount.core.curriculum import Curriculum
-from surmount.core.regions import Regions
-from surmount.report.gain_noise import CLEAR, gain_noise
 from surmount.report.results import RunResults, read_run
+from surmount.report.sections.gain_noise import CLEAR, gain_noise
+from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.regions import Regions
 
 NEWEST_STEPS = 200_000
 """Learning steps before the end of a level over which its own group's episodes are counted."""

@@ -1,0 +1,315 @@
+"""A Gymnasium environment with task parameters: the contract, as a wrapper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from surmount.core.arrays import FloatArray
+from surmount.core.errors import InputError
+from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.space import TaskSpace
+
+EPISODE_SEEDS = 2**31
+"""Each episode is reset with a seed of its own below this."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Transition:
+    """What is known after a decision, or after a reset, to judge success and take features.
+
+    Attributes
+    ----------
+    env
+        The innermost environment.
+    observation, reward, terminated, truncated, info
+        As the wrapped environment returned them; after a reset the reward is 0.
+    """
+
+    env: gymnasium.Env[Any, Any]
+    observation: Any
+    reward: float
+    terminated: bool
+    truncated: bool
+    info: dict[str, Any]
+
+
+SetTask = Callable[[gymnasium.Env[Any, Any], dict[str, float]], None]
+Feature = str | Callable[[Transition], float]
+
+
+class UntoldSuccessError(InputError):
+    """An episode ended, and ``info`` does not hold the key that tells success."""
+
+
+class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """An environment that draws its task inside ``reset``, and says what became of it.
+
+    The task is set before the wrapped environment is reset, and each episode is reset with a seed
+    of its own, so that an episode is a function of its task, its seed and its actions.
+
+    Infos hold ``variant`` (the task), ``is_success``, ``features`` (with the time in seconds
+    first) and ``diverged``.
+
+    Parameters
+    ----------
+    env
+        The environment.
+    space
+        Its task parameters.
+    set_task
+        Called with the innermost environment and the task by name, before each reset; or the
+        key under which ``reset(options=…)`` takes the task by name.
+    success
+        Whether the goal is reached at a moment; or the key of ``info`` that says so, which must be
+        there when an episode ends.
+    features
+        What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
+    decision_s
+        Seconds per decision; by default the innermost environment's ``dt``, else one over its
+        ``render_fps``, else 1.
+    end_on_success
+        Whether an episode ends when the goal is reached.
+    observe_task
+        Whether the task, scaled to −1 to 1, is appended to the observation.
+
+    Raises
+    ------
+    InputError
+        If the contract is incomplete.
+    """
+
+    def __init__(
+        self,
+        env: gymnasium.Env[Any, Any],
+        *,
+        space: TaskSpace,
+        set_task: SetTask | str,
+        success: str | Callable[[Transition], bool],
+        features: Mapping[str, Feature],
+        decision_s: float | None = None,
+        end_on_success: bool = False,
+        observe_task: bool = False,
+    ) -> None:
+        super().__init__(env)
+        if not features or "time_s" in features:
+            raise InputError(
+                "`features` is empty, or holds `time_s`, which is added by itself.",
+                remedy="Name at least one number that describes how the task is done.",
+            )
+        self.space = space
+        self.task_parameters = space.parameters
+        self.feature_names = ("time_s", *features)
+        self.decision_s = _decision_s(env) if decision_s is None else float(decision_s)
+        self._set_task = set_task
+        self._success = success
+        self._features = dict(features)
+        self._end_on_success = end_on_success
+        self._observe_task = observe_task
+        if observe_task:
+            self.observation_space = _with_task(env.observation_space, len(space.parameters))
+        self._distribution = space.whole_range
+        self._rng = np.random.default_rng()
+        self._begin_record(space.variants[0], 0)
+
+    @property
+    def task(self) -> FloatArray:
+        """Task of the present episode, shape ``(parameter,)``."""
+        return self._task.copy()
+
+    @property
+    def last_observation(self) -> Any:
+        """What the wrapped environment returned last, without an appended task."""
+        return self._observation
+
+    def set_task_distribution(self, distribution: TaskDistribution) -> None:
+        """Draw the tasks of coming episodes from another distribution.
+
+        Raises
+        ------
+        InputError
+            If it is over other parameters.
+        """
+        if tuple(distribution.parameters) != self.space.parameters:
+            raise InputError(
+                f"The distribution is over {', '.join(distribution.parameters)}, the environment "
+                f"over {', '.join(self.space.parameters)}.",
+                remedy="Use a curriculum that was made for this environment.",
+            )
+        self._distribution = distribution
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode; ``options={"variant": …}`` sets its task instead of drawing it."""
+        if seed is not None:
+            self._rng = np.random.default_rng(seed)
+        rest = dict(options or {})
+        chosen = rest.pop("variant", None)
+        rest.pop("start", None)
+        episode_seed = int(self._rng.integers(EPISODE_SEEDS))
+        drawn = self._distribution.sample(self._rng, 1)[0]
+        task = drawn if chosen is None else np.asarray(chosen, dtype=np.float64).reshape(-1)
+        if task.shape != (len(self.space.parameters),) or not np.isfinite(task).all():
+            raise InputError(
+                f"The variant {task.tolist()} does not fit {', '.join(self.space.parameters)}.",
+                remedy="Give one finite number per parameter.",
+            )
+        return self._begin(task, episode_seed, rest)
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Take one decision; what is no longer finite ends the episode as diverged.
+
+        Raises
+        ------
+        UntoldSuccessError
+            If the episode ends and ``info`` does not hold the key that tells success.
+        """
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        self._actions.append(np.array(action))
+        reward = float(reward)  # type: ignore[arg-type]
+        diverged = not (_is_finite(observation) and np.isfinite(reward))
+        if diverged:
+            observation, reward, terminated = self._observation, 0.0, True
+        transition = Transition(
+            env=self.env.unwrapped,
+            observation=observation,
+            reward=reward,
+            terminated=bool(terminated),
+            truncated=bool(truncated),
+            info=info,
+        )
+        found = self._judged(transition, diverged=diverged)
+        terminated = bool(terminated) or (self._end_on_success and found["is_success"])
+        self._observation = observation
+        return self._seen(observation), reward, terminated, bool(truncated), {**info, **found}
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return what leads back to this moment: task, seed and actions of the episode."""
+        shape = self.action_space.shape or ()
+        return {
+            "rng": self._rng.bit_generator.state,
+            "distribution": dict(self._distribution.to_record()),
+            "task": self._task.copy(),
+            "seed": self._episode_seed,
+            "actions": np.array(self._actions).reshape(len(self._actions), *shape),
+            "observation": np.asarray(self._observation),
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> bool:
+        """Go back to a saved moment by taking the episode's decisions again.
+
+        Returns
+        -------
+        bool
+            Whether the environment came to the same observation, bit by bit.
+        """
+        self._rng.bit_generator.state = state["rng"]
+        self._distribution = TaskDistribution.from_record(state["distribution"])
+        self._begin(np.array(state["task"], dtype=np.float64), int(state["seed"]), {})
+        for action in state["actions"]:
+            self.step(action)
+        return bool(np.array_equal(np.asarray(self._observation), state["observation"]))
+
+    def _begin(
+        self, task: FloatArray, episode_seed: int, options: dict[str, Any]
+    ) -> tuple[Any, dict[str, Any]]:
+        self._begin_record(task, episode_seed)
+        named = self.space.named(task)
+        if callable(self._set_task):
+            self._set_task(self.env.unwrapped, named)
+        else:
+            options = {**options, self._set_task: named}
+        observation, info = self.env.reset(seed=episode_seed, options=options or None)
+        self._observation = observation
+        transition = Transition(
+            env=self.env.unwrapped,
+            observation=observation,
+            reward=0.0,
+            terminated=False,
+            truncated=False,
+            info=info,
+        )
+        return self._seen(observation), {**info, **self._judged(transition, diverged=False)}
+
+    def _begin_record(self, task: FloatArray, episode_seed: int) -> None:
+        self._task = np.array(task, dtype=np.float64)
+        self._episode_seed = episode_seed
+        self._actions: list[Any] = []
+        self._observation: Any = None
+
+    def _judged(self, transition: Transition, *, diverged: bool) -> dict[str, Any]:
+        reached = not diverged and self._reached(transition)
+        values = [len(self._actions) * self.decision_s]
+        for name, feature in self._features.items():
+            if callable(feature):
+                values.append(float(feature(transition)))
+            elif feature in transition.info:
+                values.append(float(transition.info[feature]))
+            else:
+                raise InputError(
+                    f"The feature `{name}` is `info[{feature!r}]`, which is not there.",
+                    remedy="Let `info` hold it after every reset and step, or give a function.",
+                )
+        return {
+            "variant": self._task.copy(),
+            "is_success": reached,
+            "diverged": diverged,
+            "features": np.array(values),
+        }
+
+    def _reached(self, transition: Transition) -> bool:
+        success = self._success
+        if not isinstance(success, str):
+            return bool(success(transition))
+        if success not in transition.info and (transition.terminated or transition.truncated):
+            raise UntoldSuccessError(
+                f"`info` holds no `{success}` when an episode ends.",
+                remedy=f"Let the environment put `{success}` into `info`, or give a function as "
+                "`success`.",
+            )
+        return bool(transition.info.get(success, False))
+
+    def _seen(self, observation: Any) -> Any:
+        if not self._observe_task:
+            return observation
+        width = np.where(
+            self.space.upper > self.space.lower, self.space.upper - self.space.lower, 1
+        )
+        place = 2.0 * (self._task - self.space.lower) / width - 1.0
+        dtype = self.observation_space.dtype
+        return np.concatenate([np.asarray(observation).ravel(), place]).astype(dtype)
+
+
+def _is_finite(observation: Any) -> bool:
+    if isinstance(observation, dict):
+        return all(map(_is_finite, observation.values()))
+    if isinstance(observation, tuple):
+        return all(map(_is_finite, observation))
+    return bool(np.isfinite(np.asarray(observation)).all())
+
+
+def _decision_s(env: gymnasium.Env[Any, Any]) -> float:
+    inner: Any = env.unwrapped
+    if isinstance(getattr(inner, "dt", None), int | float):
+        return float(inner.dt)
+    rate = inner.metadata.get("render_fps")
+    return 1.0 / float(rate) if rate else 1.0
+
+
+def _with_task(space: gymnasium.Space[Any], parameters: int) -> gymnasium.spaces.Box:
+    if not isinstance(space, gymnasium.spaces.Box):
+        raise InputError(
+            f"A task cannot be appended to observations of {space}.",
+            remedy="Leave `observe_task` out, or let observations be a box.",
+        )
+    ends = np.full(parameters, np.inf)  # tasks may be drawn beyond the range
+    return gymnasium.spaces.Box(
+        np.concatenate([space.low.ravel(), -ends]).astype(space.dtype),
+        np.concatenate([space.high.ravel(), ends]).astype(space.dtype),
+        dtype=space.dtype.type,  # type: ignore[union-attr]
+    )

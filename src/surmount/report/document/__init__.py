@@ -1,0 +1,1 @@
+"""The page as parts, and how they are written."""

@@ -1,0 +1,1 @@
+"""RSTAR, the robot of the paper, and its obstacles."""

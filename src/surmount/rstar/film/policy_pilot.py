@@ -1,0 +1,73 @@
+"""A trained network as a pilot, acting as it does in roll-outs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surmount.core.arrays import FloatArray
+from surmount.core.errors import InputError
+from surmount.experiment.task_family import obstacle_family
+from surmount.learn import Actor, Snapshot
+from surmount.rstar.course import EnvConfig, Obstacle
+from surmount.rstar.course.observations import Observations, observation_terms
+
+INPUT_LAYER = "policy/mlp_extractor.policy_net.0.weight"
+"""Weights of a network's first layer, shape ``(unit, observation)``."""
+
+
+class PolicyPilot:
+    """Acts as trial ``trial`` of ``trials`` that are rolled out at once with a seed.
+
+    Sums in matrix products depend on their shape in the last bits, and noise is drawn for all
+    trials together: alone, the trial is given the row it had among the others. So it is the same
+    trial to the last bit, and takes none of the others' physics.
+
+    Parameters
+    ----------
+    network
+        The network.
+    obstacle
+        Family that it acts on.
+    seed
+        Seed of the roll-out.
+    deterministic
+        Whether to act by the mean of the policy.
+    trials, trial
+        Number of trials rolled out at once, and the one that is acted for.
+
+    Raises
+    ------
+    InputError
+        If the network does not fit the obstacle's observations.
+    """
+
+    def __init__(
+        self,
+        network: Snapshot,
+        obstacle: Obstacle,
+        *,
+        seed: int,
+        deterministic: bool,
+        trials: int = 1,
+        trial: int = 0,
+    ) -> None:
+        inputs = network.tensors[INPUT_LAYER].shape[1] if INPUT_LAYER in network.tensors else None
+        terms = observation_terms(obstacle)
+        if inputs != len(terms):
+            raise InputError(
+                f"The network takes {inputs} observations, and {obstacle.name} has {len(terms)}.",
+                remedy="Name the obstacle that it was trained on.",
+            )
+        env = obstacle_family(obstacle.name, EnvConfig()).trial_env(1)
+        self._actor = Actor(network, env.single_observation_space, env.single_action_space)
+        self._rng = None if deterministic else np.random.default_rng(seed)
+        self._trial = trial
+        self._rows: FloatArray = np.zeros((trials, len(terms)))
+        self._noise_shape = (trials, *(env.single_action_space.shape or ()))
+
+    def __call__(self, observations: Observations, x_m: FloatArray) -> FloatArray:
+        """Return the actions of this decision, shape ``(1, 3)``."""
+        del x_m
+        noise = None if self._rng is None else self._rng.standard_normal(self._noise_shape)
+        self._rows[self._trial] = observations[0]
+        return self._actor.act(self._rows, noise)[self._trial : self._trial + 1]

@@ -1,0 +1,106 @@
+"""Films of a run: one trial on the hardest variant before, with and without the curriculum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surmount.core.configuration import from_record
+from surmount.core.records import file_hash, read_record, write_record
+from surmount.envs.video import write_mp4, write_png
+from surmount.experiment import stages
+from surmount.experiment.config import ExperimentConfig
+from surmount.rstar.course import find_obstacle
+from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
+from surmount.rstar.film.logged_trials import logged_motion, run_log
+from surmount.trials.table import read_trials
+from surmount.workflow.run_folder import RunFolder
+from surmount.workflow.run_layout import FILM_FOLDER, FILMS, SCHEMA, TRIALS, per_network
+
+NETWORK, TRIAL = 0, 0
+"""Shown is always the first trial of the first network, whatever happens in it."""
+FILM = FilmConfig(width_px=480, height_px=360, speed=2.0)
+SHEET = FilmConfig(width_px=320, height_px=240)
+
+
+def draw_films(run: RunFolder, say: Callable[[str], None]) -> None:
+    """Draw a film and a sheet of moments of every kind of trials that a run has.
+
+    Written are ``films/<kind>.mp4``, ``films/<kind>.png`` and ``films.json``, which names them with
+    their hashes. Films whose trials have not changed are kept.
+
+    Parameters
+    ----------
+    run
+        The run.
+    say
+        Told of every film.
+
+    Raises
+    ------
+    SurmountError
+        If nothing can be drawn on this machine.
+    """
+    config = from_record(ExperimentConfig, run.config)
+    size_mm = find_obstacle(config.obstacle).hardest
+    earlier = _earlier(run)
+    drawn: list[dict[str, Any]] = []
+    for kind, stage_kind in TRIALS.items():
+        stage = per_network(stage_kind, NETWORK)
+        if stage not in run.stages:
+            continue
+        key = run.stages[stage].key
+        if key in earlier:
+            drawn.append(earlier[key])
+            continue
+        table = run.stages[stage].path(stages.TRIALS)
+        trials = read_trials(table)
+        log = run_log(run, stage, trials, str(table))
+        motion = logged_motion(log, log.find(size_mm, TRIAL, NETWORK))
+        film, sheet = (run.root / FILM_FOLDER / f"{kind}{suffix}" for suffix in (".mp4", ".png"))
+        write_mp4(film, frames([motion], FILM), FILM.fps)
+        write_png(sheet, contact_sheet([motion], SHEET))
+        say(f"{film}: {motion.caption}: {motion.outcome}")
+        alike = np.isclose(trials.variant[:, 0], size_mm)
+        drawn.append(
+            {
+                "kind": kind,
+                "stage": stage,
+                "key": key,
+                "size_mm": size_mm,
+                "caption": motion.caption,
+                "outcome": motion.outcome,
+                "network": NETWORK,
+                "successes": int(trials.success[alike].sum()),
+                "trials": int(alike.sum()),
+                "speed": FILM.speed,
+                "film": _file(film),
+                "sheet": _file(sheet),
+                "duration_s": motion.duration_s,
+            }
+        )
+    write_record(run.root / FILMS, {"schema": SCHEMA, "films": drawn})
+
+
+def _earlier(run: RunFolder) -> dict[str, dict[str, Any]]:
+    """Return what was drawn before and still is what it was, by the key of its trials."""
+    if not (run.root / FILMS).is_file():
+        return {}
+    record = read_record(run.root / FILMS)
+    if record.get("schema") != SCHEMA:
+        return {}
+    return {film["key"]: film for film in record["films"] if _is_whole(run, film)}
+
+
+def _is_whole(run: RunFolder, film: dict[str, Any]) -> bool:
+    files = [
+        (run.root / FILM_FOLDER / file["name"], file) for file in (film["film"], film["sheet"])
+    ]
+    return all(path.is_file() and file_hash(path) == file["sha256"] for path, file in files)
+
+
+def _file(path: Path) -> dict[str, str]:
+    return {"name": path.name, "sha256": file_hash(path)}

@@ -1,0 +1,1 @@
+"""Scripted manoeuvres and their search."""

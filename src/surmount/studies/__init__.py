@@ -1,0 +1,1 @@
+"""Studies that ran once and stay runnable."""

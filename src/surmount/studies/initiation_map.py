@@ -1,0 +1,231 @@
+"""Success after the initiation, for many settings of what the paper leaves open.
+
+Decision interval, reward units, start distribution and PPO's settings are not printed, and each
+turns the outcome of the initiation from "nothing learnt" to "everything learnt". The setting whose
+success after the initiation comes closest to the paper's table 1 is used for everything else; see
+``docs/adr/0021-settings-by-initiation.md``. No curriculum is involved.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surmount.core.arrays import FloatArray
+from surmount.core.configuration import override, to_record
+from surmount.core.errors import ConfigError, InputError
+from surmount.core.seeds import derive_seed
+from surmount.experiment import stages
+from surmount.experiment.presets import preset
+from surmount.experiment.task_family import task_part
+from surmount.rstar.course import OBSTACLES
+from surmount.studies.paper.results import PAPER_RESULTS
+from surmount.trials.table import read_trials
+from surmount.workflow.graph import Stage
+from surmount.workflow.store import Artefact
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """One choice of everything that is open.
+
+    Attributes
+    ----------
+    name
+        Its name in the map.
+    changes
+        Dotted configuration keys and values, over the paper preset.
+    obstacles
+        Families to train on.
+    networks
+        Indices of the networks: the seeds.
+    """
+
+    name: str
+    changes: Mapping[str, Any]
+    obstacles: tuple[str, ...]
+    networks: tuple[int, ...]
+
+
+def read_settings(path: Path) -> list[Setting]:
+    """Read a TOML file of settings.
+
+    The table ``common`` holds ``obstacles``, ``networks`` (a number) and ``changes``; each table
+    ``settings.<name>`` may hold its own, ``changes`` being added to the common ones.
+
+    Raises
+    ------
+    InputError
+        If the file is not of this form.
+    """
+    try:
+        record = tomllib.loads(path.read_text(encoding="utf-8"))
+        common = record["common"]
+        return [
+            Setting(
+                name=name,
+                changes={**common.get("changes", {}), **own.get("changes", {})},
+                obstacles=tuple(own.get("obstacles", common.get("obstacles", [*OBSTACLES]))),
+                networks=tuple(range(int(own.get("networks", common.get("networks", 1))))),
+            )
+            for name, own in record["settings"].items()
+        ]
+    except (OSError, UnicodeDecodeError, ValueError, KeyError, AttributeError, TypeError) as error:
+        raise InputError(
+            f"{path} is not a file of settings ({type(error).__name__}: {error}).",
+            remedy="Write a TOML file with a table [common] and one [settings.NAME] per setting, "
+            "as docs/results/initiation-map/settings.toml has them.",
+        ) from error
+
+
+def trials_stage(setting: str, obstacle: str, network: int) -> str:
+    """Return the name of the stage that rolls a network of the map out."""
+    return f"trials/{setting}/{obstacle}/network-{network}"
+
+
+def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Stage]:
+    """Return the graph of a map: an initiation and its trials for every setting and seed.
+
+    Network ``i`` has the same seed under every setting, so that settings are compared in pairs.
+
+    Raises
+    ------
+    ConfigError
+        If a setting changes an unknown key or gives a value that cannot be used.
+    """
+    graph: list[Stage] = []
+    for network in range(max(len(setting.networks) for setting in settings)):
+        for setting in settings:
+            if network not in setting.networks:
+                continue
+            for obstacle in setting.obstacles:
+                try:
+                    config = override(preset(obstacle, scale), setting.changes)
+                except ConfigError as error:
+                    raise ConfigError(
+                        f"Setting `{setting.name}`: {error.message}", remedy=error.remedy
+                    ) from error
+                record = to_record(config)
+                name = f"initiation/{setting.name}/{obstacle}/network-{network}"
+                task = task_part(config)
+                keys = ("learner", "checkpoint_steps", "initial_steps")
+                graph.append(
+                    Stage(
+                        name=name,
+                        function=stages.initiate,
+                        config=task | {key: record[key] for key in keys},
+                        seed=derive_seed(config.seed, obstacle, "map", network),
+                    )
+                )
+                graph.append(
+                    Stage(
+                        name=trials_stage(setting.name, obstacle, network),
+                        function=stages.run_trials,
+                        config=task | {"trials": record["trials"], "network": network},
+                        seed=derive_seed(config.seed, obstacle, "map trials", network),
+                        inputs={"network": (name,)},
+                    )
+                )
+    return graph
+
+
+def summarise(
+    settings: list[Setting], artefacts: Mapping[str, Artefact]
+) -> dict[str, dict[str, Any]]:
+    """Return success by variant and network of every setting, and its distance to table 1.
+
+    Returns
+    -------
+    dict
+        By setting: ``obstacles`` (by name: ``variants`` in mm, ``success`` of shape ``(network,
+        variant)``, ``groups`` with the paper's success and ours) and ``distance``, see
+        :func:`distance_to_table_1`; ``None`` where an obstacle was not trained on.
+    """
+    summary: dict[str, dict[str, Any]] = {}
+    for setting in settings:
+        obstacles: dict[str, Any] = {}
+        for obstacle in setting.obstacles:
+            rows = [
+                _success(artefacts[trials_stage(setting.name, obstacle, network)])
+                for network in setting.networks
+                if trials_stage(setting.name, obstacle, network) in artefacts
+            ]
+            if rows:
+                variants = rows[0][0]
+                success = np.stack([row for _, row in rows])
+                obstacles[obstacle] = {
+                    "variants": variants.tolist(),
+                    "success": success.tolist(),
+                    "groups": group_success(obstacle, variants, success),
+                }
+        summary[setting.name] = {
+            "obstacles": obstacles,
+            "distance": distance_to_table_1(obstacles),
+        }
+    return summary
+
+
+def group_success(obstacle: str, variants: FloatArray, success: FloatArray) -> list[dict[str, Any]]:
+    """Return success in the paper's groups beside the paper's.
+
+    Parameters
+    ----------
+    obstacle
+        Name of the family.
+    variants
+        Sizes in mm, shape ``(variant,)``.
+    success
+        Share of successful trials, shape ``(network, variant)``.
+    """
+    groups: list[dict[str, Any]] = []
+    for group in PAPER_RESULTS[obstacle].groups:
+        of_network = success[:, group.holds(variants)].mean(axis=1)
+        groups.append(
+            {
+                "name": group.name,
+                "low_mm": group.range_mm[0],
+                "high_mm": group.range_mm[1],
+                "paper": group.after_initiation,
+                "mean": float(of_network.mean()),
+                "networks": of_network.tolist(),
+            }
+        )
+    return groups
+
+
+def distance_to_table_1(obstacles: Mapping[str, Any]) -> float | None:
+    """Return the mean absolute difference to table 1: over groups, then over obstacles.
+
+    Parameters
+    ----------
+    obstacles
+        By name, records with ``groups`` as :func:`group_success` returns them.
+
+    Returns
+    -------
+    float or None
+        Difference of success rates, between 0 and 1; ``None`` unless all obstacles are there.
+    """
+    if obstacles.keys() != PAPER_RESULTS.keys():
+        return None
+    return float(
+        np.mean(
+            [
+                np.mean([abs(group["mean"] - group["paper"]) for group in record["groups"]])
+                for record in obstacles.values()
+            ]
+        )
+    )
+
+
+def _success(artefact: Artefact) -> tuple[FloatArray, FloatArray]:
+    """Return a network's variants in mm and the share of its trials that succeeded on each."""
+    trials = read_trials(artefact.path(stages.TRIALS))
+    variants, inverse = np.unique(trials.variant[:, 0], return_inverse=True)
+    counts = np.bincount(inverse)
+    return variants, np.bincount(inverse, weights=trials.success) / counts

@@ -1,0 +1,223 @@
+"""One page over several runs: claim by claim, and what all obstacles say together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from surmount.core.arrays import FloatArray
+from surmount.core.errors import InputError
+from surmount.report.document.parts import (
+    Block,
+    Column,
+    Document,
+    Figure,
+    Notice,
+    Paragraph,
+    Section,
+    Table,
+)
+from surmount.report.document.text import counted, duration, integer, listed, number
+from surmount.report.figures.profile import THRESHOLDS, profiles
+from surmount.report.figures.success import success_by_group
+from surmount.report.figures.variant import success_by_variant
+from surmount.report.results import RunResults
+from surmount.report.sections.evidence import evidence_row, evidence_table
+from surmount.report.sections.grouping import group_table, level_table
+from surmount.report.sections.summary import notices
+from surmount.report.verdicts import UNTRAINED
+from surmount.stats import (
+    Bootstrap,
+    bootstrap_interval,
+    difference_interval,
+    performance_profile,
+    probability_of_improvement,
+)
+from surmount.studies.paper.claims import Claim, claims_of
+from surmount.studies.paper.section import claim_table
+from surmount.workflow.run_layout import ARMS
+
+VERDICTS = ("reproduced", "partly", "not reproduced", "open")
+SEED = 0
+"""Seed of the bootstrap over networks."""
+
+
+def overview_of(runs: Sequence[RunResults]) -> Document:
+    """Lay out the page of several runs, one per obstacle.
+
+    Raises
+    ------
+    InputError
+        If two runs are on the same obstacle.
+    """
+    names = [run.folder.obstacle for run in runs]
+    if len(set(names)) < len(names):
+        raise InputError(
+            f"Two of the runs are on the same obstacle: {listed(names)}.",
+            remedy="Give one run for each obstacle.",
+        )
+    claims = {run.folder.obstacle: claims_of(run) for run in runs}
+    sections = [_obstacle(run, claims[run.folder.obstacle]) for run in runs]
+    together = _together(runs)
+    if together is not None:
+        sections.insert(0, together)
+    return Document(
+        title="RSTAR's obstacles, claim by claim",
+        subtitle="What a reproduction at this scale says to the paper's results",
+        notices=tuple(_notices(runs)),
+        summary=tuple(_summary(claims)),
+        facts=(
+            ("obstacles", str(len(runs))),
+            ("networks", listed([str(run.folder.networks) for run in runs])),
+            ("seeds", listed([str(run.folder.config.get("seed", "—")) for run in runs])),
+            ("learning steps", integer(sum(map(_steps, runs)))),
+            ("computing", duration(sum(run.folder.protocol_s for run in runs))),
+        ),
+        sections=(*sections, _effort(runs)),
+    )
+
+
+def _notices(runs: Sequence[RunResults]) -> list[Notice]:
+    return [
+        replace(notice, title=f"{_title(run)}: {notice.title.lower()}")
+        for run in runs
+        for notice in notices(run.folder)
+    ]
+
+
+def _summary(claims: dict[str, tuple[Claim, ...]]) -> list[str]:
+    sentences: list[str] = []
+    for obstacle, found in claims.items():
+        counts = [
+            f"{sum(claim.verdict == verdict for claim in found)} {verdict}"
+            for verdict in VERDICTS
+            if any(claim.verdict == verdict for claim in found)
+        ]
+        sentences.append(
+            f"{obstacle.replace('-', ' ').capitalize()}: of {counted(len(found), 'claim')} "
+            f"{listed(counts)}."
+            if found
+            else f"{obstacle.replace('-', ' ').capitalize()}: no claim can be judged yet."
+        )
+    return sentences
+
+
+def _title(run: RunResults) -> str:
+    return run.folder.obstacle.replace("-", " ").capitalize()
+
+
+def _obstacle(run: RunResults, claims: tuple[Claim, ...]) -> Section:
+    blocks: list[Block] = []
+    if claims:
+        blocks.append(claim_table(claims))
+    if run.analysis is not None:
+        blocks += [group_table(run.analysis), level_table(run.analysis)]
+        if run.comparison is not None:
+            curriculum = run.analysis.curriculum
+            for figure in (
+                success_by_group(run.comparison, curriculum, run.tests),
+                success_by_variant(run.comparison, curriculum),
+            ):
+                blocks.append(_of_obstacle(figure, run))
+    if not blocks:
+        blocks.append(Paragraph(text="The run has not come as far as its analysis."))
+    return Section(anchor=run.folder.obstacle, title=_title(run), blocks=tuple(blocks))
+
+
+def _of_obstacle(figure: Figure, run: RunResults) -> Figure:
+    return replace(
+        figure,
+        name=f"{run.folder.obstacle}-{figure.name}",
+        label="",
+        title=f"{figure.title}, {_title(run).lower()}",
+    )
+
+
+# All obstacles together ------------------------------------------------------------------------
+
+
+def _together(runs: Sequence[RunResults]) -> Section | None:
+    """Summarise over networks, each obstacle being a stratum with networks of its own."""
+    tested = [run for run in runs if all(arm in run.tests for arm in ARMS)]
+    untrained = [run for run in tested if _untrained(run)]
+    finished = [run for run in tested if run not in untrained]
+    if not finished:
+        return None
+    scores: dict[str, dict[str, FloatArray]] = {
+        arm: {run.folder.obstacle: run.tests[arm].scores() for run in finished} for arm in ARMS
+    }
+    bootstrap = Bootstrap(seed=SEED)
+    first, second = (scores[arm] for arm in ARMS)
+    rows = [
+        evidence_row(f"success, interquartile mean, {arm}", bootstrap_interval(own, bootstrap))
+        for arm, own in scores.items()
+    ]
+    rows.append(
+        evidence_row(
+            "difference, curriculum − control",
+            difference_interval(first, second, bootstrap, paired=True),
+            "points",
+        )
+    )
+    rows.append(
+        evidence_row(
+            "probability of improvement",
+            probability_of_improvement(first, second, bootstrap, paired=True),
+        )
+    )
+    note = (
+        "Stratified bootstrap: networks are redrawn within their obstacle. Rates of all "
+        "variants count alike, so obstacles with more variants count more."
+    )
+    left_out = [f"{_title(run)} is left out. {UNTRAINED}" for run in untrained]
+    table = evidence_table("Success over networks, all obstacles", rows, (note, *left_out))
+    figure = profiles(
+        {arm: performance_profile(own, THRESHOLDS, bootstrap) for arm, own in scores.items()}
+    )
+    return Section(anchor="together", title="All obstacles together", blocks=(table, figure))
+
+
+def _untrained(run: RunResults) -> bool:
+    return run.analysis is not None and run.analysis.curriculum.n_levels == 0
+
+
+# What it took ----------------------------------------------------------------------------------
+
+
+def _steps(run: RunResults) -> int:
+    return sum(
+        training.total_steps for found in run.trainings.values() for training in found.values()
+    )
+
+
+def _effort(runs: Sequence[RunResults]) -> Section:
+    rows: list[tuple[str, ...]] = []
+    for run in runs:
+        trained = sum(
+            run.folder.seconds.get(f"{kind}/network-{network}", 0.0)
+            for kind, found in run.trainings.items()
+            for network in found
+        )
+        rows.append(
+            (
+                _title(run),
+                str(run.folder.networks),
+                integer(_steps(run)),
+                number(_steps(run) / trained, 4) if trained else "—",
+                duration(run.folder.protocol_s),
+                run.folder.machine.get("processor", "—"),
+            )
+        )
+    headings = ("obstacle", "networks", "learning steps", "steps/s per process", "computing")
+    table = Table(
+        label="",
+        title="Steps and time",
+        columns=(
+            Column(heading=headings[0]),
+            *(Column(heading=heading, numeric=True) for heading in headings[1:]),
+            Column(heading="machine"),
+        ),
+        rows=tuple(rows),
+        notes=("Time of all stages together, each on one thread; several ran side by side.",),
+    )
+    return Section(anchor="effort", title="What it took", blocks=(table,))

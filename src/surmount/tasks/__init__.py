@@ -1,0 +1,1 @@
+"""The space of tasks, distributions over it, and curricula."""

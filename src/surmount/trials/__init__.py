@@ -1,0 +1,1 @@
+"""Logged trials: the record, the table that holds it, its reading and its check."""

@@ -1,0 +1,271 @@
+"""The check finds each broken clause, and says what to do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+from own_point import PointEnv, make_env, make_point, set_task
+
+from surmount.cli.main import run
+from surmount.envs import check_contract
+from surmount.tasks.space import TaskSpace
+
+
+def broken(make) -> dict[str, str]:
+    return {f.clause: f"{f.sentence} {f.remedy}" for f in check_contract(make) if not f.holds}
+
+
+def notes(make) -> dict[str, str]:
+    return {f.clause: f.note for f in check_contract(make) if f.note}
+
+
+class Deaf(PointEnv):
+    """Copies the task when it is made, and never looks at it again."""
+
+    def __init__(self):
+        super().__init__()
+        self._goal = self.goal
+
+    def step(self, action):
+        self.goal, self.wind = self._goal, 0.0
+        return super().step(action)
+
+    def _observe(self):
+        return np.array([self.position, self._goal - self.position], dtype=np.float32)
+
+
+class Unseeded(PointEnv):
+    def reset(self, *, seed=None, options=None):
+        _, info = super().reset(seed=seed, options=options)
+        self.position += np.random.rand()  # noqa: NPY002
+        return self._observe(), info
+
+
+class Noisy(Deaf):
+    """Ignores the task, behind noise in its observations that no seed repeats."""
+
+    def _observe(self):
+        return super()._observe() + np.float32(0.01 * np.random.rand())  # noqa: NPY002
+
+
+class Fixed(PointEnv):
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed, options=options)
+        self.position = 0.0
+        return self._observe(), {"reached": False}
+
+
+class Failing(PointEnv):
+    def step(self, action):
+        raise ZeroDivisionError("no floor")
+
+
+def test_an_environment_that_keeps_the_contract_passes():
+    findings = check_contract(make_env)
+    assert [f for f in findings if not f.holds] == []
+    clauses = [f.clause for f in findings]
+    assert "distance_m changes the task" in clauses
+    assert "wind changes the task" in clauses
+    assert len(clauses) == 13
+
+
+@pytest.mark.parametrize(
+    ("make", "clauses", "words"),
+    [
+        (lambda: 1 / 0, ["it can be made"], "ZeroDivisionError"),
+        (PointEnv, ["it can be made"], "not a TaskEnv"),
+        (lambda: make_point(Failing()), ["episodes run"], "no floor"),
+        (
+            lambda: make_point(features={"x": "nowhere"}),
+            ["episodes run"],
+            "Let `info` hold it after every reset",
+        ),
+        (
+            lambda: make_point(Deaf()),
+            ["distance_m changes the task", "wind changes the task"],
+            "the same seed and actions give the same episode",
+        ),
+        (
+            lambda: make_point(set_task=lambda env, task: setattr(env, "goal", task["distance_m"])),
+            ["wind changes the task"],
+            "a later change is ignored",
+        ),
+        (lambda: make_point(success="done_well"), ["success is told"], "no `done_well`"),
+        (lambda: make_point(success="is_success"), ["success is told"], "no `is_success`"),
+        (
+            lambda: make_point(Noisy()),
+            ["distance_m changes the task", "wind changes the task", "a seed repeats its episode"],
+            "not shown: at 0.5 the same seed and actions do not give the same episode twice",
+        ),
+        (
+            lambda: make_point(
+                space=TaskSpace.grid(distance_m=[1.0]),
+                set_task=lambda env, task: setattr(env, "goal", task["distance_m"]),
+            ),
+            ["distance_m changes the task"],
+            "one variant, which is no family",
+        ),
+        (
+            lambda: make_point(space=TaskSpace.grid(distance_m=[1.0, 2.0], wind=[0.5])),
+            ["wind changes the task"],
+            "it has one value, 0.5",
+        ),
+        (
+            lambda: make_point(features={"one": lambda transition: 1.0}),
+            ["features vary"],
+            "constant: one",
+        ),
+        (
+            lambda: make_point(features={"bad": lambda m: np.nan if m.reward else 1.0}),
+            ["features are finite"],
+            "not finite: bad",
+        ),
+        (lambda: make_point(Unseeded()), ["a seed repeats its episode"], "np_random"),
+        (lambda: make_point(Fixed()), ["seeds matter"], "Let `reset` draw the start"),
+    ],
+)
+def test_a_broken_clause_is_named_with_a_remedy(make, clauses, words):
+    found = broken(make)
+    assert set(clauses) <= found.keys()
+    assert words in found[clauses[0]]
+    unexpected = found.keys() - set(clauses)
+    assert unexpected <= {"features vary", "wind changes the task", "distance_m changes the task"}
+
+
+def test_an_environment_without_a_time_limit_is_found_before_any_episode_runs():
+    env = make_point()
+    env.env = Failing()
+    found = broken(lambda: env)
+    assert found.keys() == {"episodes end"}
+    assert "has no time limit" in found["episodes end"]
+    assert "gymnasium.wrappers.TimeLimit" in found["episodes end"]
+
+
+def test_the_first_episode_without_end_is_the_last(monkeypatch):
+    monkeypatch.setattr("surmount.envs.check.LONGEST_EPISODE", 10)  # of 12 decisions
+    findings = check_contract(lambda: make_point(success=lambda transition: False))
+    assert findings[-1].clause == "episodes end"
+    assert findings[-1].sentence == "one had not ended after 10 decisions"
+    assert findings[-2].sentence == "10 decisions, on 1 of 12 variants"
+
+
+@pytest.mark.parametrize(
+    ("success", "words"),
+    [(lambda transition: False, "never true"), (lambda transition: True, "always true")],
+)
+def test_success_that_random_actions_do_not_change_is_noted(success, words):
+    make = lambda: make_point(success=success)  # noqa: E731
+    assert broken(make) == {}
+    assert words in notes(make)["success is told"]
+
+
+def test_a_feature_that_is_the_task_is_noted():
+    features = {
+        "goal_m": lambda transition: transition.env.goal,
+        "position_m": lambda transition: transition.observation[0],
+    }
+    assert "`goal_m`." in notes(lambda: make_point(features=features))["features vary"]
+    assert "features vary" not in notes(make_env)
+
+
+def test_a_task_that_only_rewards_tell_is_said_as_such():
+    class Priced(PointEnv):
+        price = 0.0
+
+        def step(self, action):
+            observation, reward, *rest = super().step(action)
+            return observation, reward - self.price, *rest
+
+    def set_price(env, task):
+        env.goal, env.price = task["distance_m"], task["wind"]
+
+    findings = check_contract(lambda: make_point(Priced(), set_task=set_price))
+    (found,) = (f for f in findings if f.clause == "wind changes the task")
+    assert found.holds
+    assert found.sentence == "between 0 and 2 rewards or the end differ"
+
+
+def test_what_stops_a_later_check_is_told_in_its_place():
+    class Rare(PointEnv):
+        """Fails on a task that is at the end of the range, and no variant."""
+
+        def reset(self, *, seed=None, options=None):
+            if self.goal >= 3.0:
+                raise ValueError("too far")
+            return super().reset(seed=seed, options=options)
+
+    grid = TaskSpace.grid(distance_m=[0.5, 1.0], wind=[0.0, 1.0])
+    space = replace(grid, upper=np.array([3.0, 1.0]))
+    findings = check_contract(lambda: make_point(Rare(), space=space))
+    told = [f.sentence for f in findings if f.clause == "episodes run"]
+    assert told == ["ValueError: too far"]
+    assert not findings[-1].holds
+
+
+def test_observations_of_several_parts_are_checked_and_only_the_boxes_are_missing():
+    class Parts(PointEnv):
+        def __init__(self):
+            super().__init__()
+            box = self.observation_space
+            self.observation_space = gymnasium.spaces.Dict({"first": box, "second": box})
+
+        def _observe(self):
+            both = super()._observe()
+            return {"first": both, "second": both}
+
+    features = {"position_m": lambda transition: transition.observation["first"][0]}
+    found = broken(lambda: make_point(Parts(), features=features))
+    assert found.keys() == {"observations and actions are boxes"}
+
+
+def test_the_command_prints_clauses_and_ends_with_its_code(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(["check", "own_point:make_env"]) == 0
+    assert "All 13 clauses hold." in capsys.readouterr().out
+    (tmp_path / "deaf_env.py").write_text(
+        "from own_point import make_point\n"
+        "def make_env():\n    return make_point(set_task=lambda env, task: None)\n",
+        encoding="utf-8",
+    )
+    assert run(["check", "deaf_env:make_env"]) == 3
+    out = capsys.readouterr().out
+    assert "BROKEN  distance_m changes the task" in out
+    assert "2 of 13 clauses broken." in out
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("no_such_module:make_env", "There is no module `no_such_module`"),
+        ("own_point:make_enf", "It has "),
+        ("own_point:", "my_module:make_env"),
+        ("broken_env:make_env", "fails while it is imported"),
+        ("ended_env:make_env", "fails while it is imported (SystemExit: 2)"),
+        ("own_point.py:make_env", "Write it as own_point:make_env.\n"),
+        ("a/b/own_point.py:make_env", "own_point:make_env, and call Surmount in the folder a/b."),
+    ],
+)
+def test_a_function_that_is_not_there_is_said(capsys, tmp_path, monkeypatch, name, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken_env.py").write_text("1 / 0\n", encoding="utf-8")
+    (tmp_path / "ended_env.py").write_text("raise SystemExit(2)\n", encoding="utf-8")
+    assert run(["check", name]) in (2, 3)
+    assert words in capsys.readouterr().err
+
+
+def test_the_task_is_set_before_the_reset_of_the_wrapped_environment():
+    env = make_point()
+    seen = []
+
+    def spy(inner, task):
+        seen.append(task)
+        set_task(inner, task)
+
+    env = make_point(set_task=spy)
+    observation, info = env.reset(seed=0, options={"variant": [1.5, 1.0]})
+    assert seen == [{"distance_m": 1.5, "wind": 1.0}]
+    assert observation.sum() == pytest.approx(1.5, abs=1e-5)
+    assert info["variant"].tolist() == [1.5, 1.0]

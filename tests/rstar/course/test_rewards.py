@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from surmount.rstar.course.config import EnvConfig, RewardConfig
+from surmount.rstar.course.rewards import Reward
+
+# 200 decisions in an episode.
+CONFIG = EnvConfig(decision_interval_s=0.1, episode_s=20.0)
+REWARD = Reward(CONFIG)
+
+
+def test_time_costs_one_per_episode_and_three_times_that_when_tilted():
+    # −(1 + 2 K_b)/S_m with S_m = 200: −0.005 upright, −0.015 beyond 100 deg of yaw or pitch.
+    yaw = np.array([0.0, 100.0, 100.1, 0.0, 0.0])
+    pitch = np.array([0.0, 100.0, 0.0, 120.0, 170.0])
+    penalty = REWARD.time(np.array([yaw, pitch]))
+    assert penalty == pytest.approx([-0.005, -0.005, -0.015, -0.015, -0.015])
+    assert REWARD.time(np.full((2, 3), 100.0)) == pytest.approx(-0.005)
+
+
+def test_distance_costs_more_the_further_the_robot_is_turned():
+    # 58.4 cm left: 1e-4, 1e-3 and 1e-2 a centimetre up to 5 deg, up to 10 deg, and beyond.
+    yaw = np.array([0.0, 5.0, 5.1, 10.0, 10.1, 90.0])
+    penalty = REWARD.distance(np.full(6, 0.584), yaw)
+    assert penalty == pytest.approx([-0.00584, -0.00584, -0.0584, -0.0584, -0.584, -0.584])
+
+
+def test_speed_costs_almost_nothing():
+    # 250 mm/s at 1e-8 each.
+    assert REWARD.speed(np.array([0.25, 0.0])) == pytest.approx([-2.5e-6, 0.0])
+
+
+def test_a_full_swing_of_the_fbem_costs_144_thousandths():
+    # 0.005 per 5 degrees: 144 deg from end to end cost 0.144; sprawl alike.
+    penalty = REWARD.motion(np.array([[144.0, 0.0, 8.0], [0.0, 48.0, 8.0]]))
+    assert penalty == pytest.approx([-0.144, -0.048, -0.016])
+    weights = RewardConfig(fbem_weight=0.0, sprawl_weight=0.01)
+    sprawl_only = Reward(EnvConfig(reward=weights))
+    assert sprawl_only.motion(np.array([[144.0], [5.0]])) == pytest.approx([-0.01])
+
+
+def test_endings_are_rewarded_with_plus_or_minus_five():
+    reached, failed = np.array([True, False, False]), np.array([False, True, False])
+    assert REWARD.final(reached, failed) == pytest.approx([5.0, -5.0, 0.0])
+
+
+def test_units_of_distance_and_angle_are_fields():
+    metres = Reward(EnvConfig(reward=RewardConfig(distance_unit_m=1.0, angle_unit_deg=1.0)))
+    one = np.ones(1)
+    assert metres.distance(one, 0 * one) == pytest.approx([-1e-4])
+    assert metres.motion(np.ones((2, 1))) == pytest.approx([-0.01])
+
+
+def test_the_sum_takes_magnitudes_of_signed_measures_and_stops_at_the_target():
+    from surmount.rstar.course.measures import Measures  # noqa: PLC0415
+
+    # yaw, pitch, FBEM, sprawl, speed, x, y, z; the second robot is 0.1 m beyond the target.
+    rows = np.array([[-7.0, 0.0, 0, 48, -0.25, 0.12, 0, 0], [0, -150.0, 0, 48, 0, 0.42, 0, 0]]).T
+    total = REWARD.running(Measures(rows=rows), np.array([[5.0, 0.0], [0.0, 0.0]]))
+    first = -0.005 - 1e-3 * 20 - 2.5e-6 - 0.005
+    assert total == pytest.approx([first, -0.015], rel=1e-9)
