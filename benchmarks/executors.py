@@ -28,17 +28,20 @@ from pathlib import Path
 
 import torch
 from matplotlib.figure import Figure
+from surmount.experiment.task_family import obstacle_family
 
 from surmount.core.configuration import override
 from surmount.core.records import write_record
-from surmount.experiment import make_executor, preset
-from surmount.experiment.task_family import obstacle_family
+from surmount.experiment.presets import preset
+from surmount.experiment.running import make_executor
 from surmount.experiment.teaching import comparison_graph
-from surmount.learn import Actor, RolloutConfig, Trainer, roll_out
-from surmount.teachers import TEACHERS, TeachersConfig, UniformTeacher
-from surmount.workflow import GraphRunner
+from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.trainer import Trainer
+from surmount.teachers.catalogue import TEACHERS, TeachersConfig
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.graph import Stage, check_graph, dependencies
 from surmount.workflow.monitor import SilentMonitor
+from surmount.workflow.runner import GraphRunner
 
 OBSTACLES = ("narrow-channel", "low-entrance", "step")
 NETWORKS = 10

@@ -27,7 +27,8 @@ from pathlib import Path
 
 from surmount.core.configuration import override
 from surmount.core.records import file_hash
-from surmount.experiment import begin, make_executor, preset, run
+from surmount.experiment.presets import preset
+from surmount.experiment.running import begin, make_executor, run
 from surmount.workflow.monitor import Progress
 from surmount.workflow.store import sole_user
 

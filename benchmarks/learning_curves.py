@@ -20,9 +20,10 @@ import numpy as np
 import torch
 
 from stock_ppo import EpisodeLog, stock_learner
-from surmount.learn import LearnerConfig, Trainer
-from surmount.rstar.course import ObstacleVectorEnv
-from surmount.teachers import UniformTeacher
+from surmount.learn.config import LearnerConfig
+from surmount.learn.trainer import Trainer
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import SilentMonitor
 
 NAMES = ("Surmount", "stock SB3")

@@ -21,10 +21,9 @@ import torch
 from matplotlib.figure import Figure
 
 from surmount.core.configuration import override
-from surmount.experiment import preset
-from surmount.experiment.task_family import obstacle_family
-from surmount.learn import Checkpointing, Trainer
-from surmount.teachers import UniformTeacher
+from surmount.experiment.presets import preset
+from surmount.learn.trainer import Checkpointing, Trainer
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import SilentMonitor
 
 CHANGES = {
@@ -68,9 +67,10 @@ def main() -> None:
     torch.set_num_threads(1)
     chosen.out.mkdir(parents=True, exist_ok=True)
     config = override(preset("low-entrance", "paper"), CHANGES)
-    family = obstacle_family(config.obstacle, config.env)
-    teacher = UniformTeacher(family.whole_range, chosen.steps, label="soak")
-    env = family.training_env(config.learner.num_envs)
+    family = config.family
+    whole_range = family.space(config.env).whole_range
+    teacher = UniformTeacher(whole_range, chosen.steps, label="soak")
+    env = family.training_env(config.env, config.learner.num_envs)
     with (chosen.out / "memory.csv").open("w", encoding="utf-8") as file:
         reader = Reader(file)
         trainer = Trainer(env, teacher, config.learner, seed=0, log_folder=chosen.out / "logs")

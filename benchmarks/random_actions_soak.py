@@ -31,7 +31,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from surmount.core import configuration
-from surmount.rstar.course import OBSTACLES, EnvConfig, ObstacleVectorEnv
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 from soundness import Soundness

@@ -37,12 +37,14 @@ import numpy as np
 from mujoco.batch import Batch
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
-import surmount.rstar.course  # noqa: F401  (registers the environments)
-from surmount.rstar.course import EnvConfig, ObstacleEnv, ObstacleVectorEnv
+import surmount.rstar  # noqa: F401  (registers the environments)
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.episodes import Episodes
 from surmount.rstar.course.observations import Observer
 from surmount.rstar.course.rewards import Reward
 from surmount.rstar.course.simulation import Simulation
+from surmount.rstar.course.single import ObstacleEnv
 
 OBSTACLE, GYM_ID = "step", "surmount/Step-v0"
 OPTIONS = {"start": "fixed", "variant": 30.0}

@@ -8,7 +8,7 @@ from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import VecNormalize
 
 from surmount.learn.mlp import ACTIVATIONS
-from surmount.rstar.course import ObstacleEnv
+from surmount.rstar.course.single import ObstacleEnv
 
 
 def stock_learner(obstacle, config, seed):

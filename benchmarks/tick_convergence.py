@@ -17,7 +17,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import binomtest
 
-from surmount.rstar.course import EnvConfig, find_obstacle
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.course.simulation import Simulation
 from surmount.rstar.manoeuvres.manoeuvre import Manoeuvre
 from surmount.rstar.manoeuvres.search import LOWER, UPPER, try_out

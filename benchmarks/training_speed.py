@@ -33,11 +33,13 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
 from stock_ppo import stock_learner
-from surmount.learn import LearnerConfig, Trainer
+from surmount.learn.config import LearnerConfig
 from surmount.learn.ppo import ResumablePPO
 from surmount.learn.rollout_collector import RolloutCollector
-from surmount.rstar.course import ObstacleEnv, ObstacleVectorEnv
-from surmount.teachers import UniformTeacher
+from surmount.learn.trainer import Trainer
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.single import ObstacleEnv
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import Interrupted, SilentMonitor
 
 CONFIG = LearnerConfig()

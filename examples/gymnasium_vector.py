@@ -9,9 +9,8 @@ included.
 import gymnasium
 import numpy as np
 
-import surmount.rstar.course  # noqa: F401  (registers the courses)
-from surmount.rstar.course import EnvConfig
-from surmount.tasks.distribution import TaskDistribution
+import surmount.rstar  # noqa: F401  (registers the courses)
+from surmount import EnvConfig, TaskDistribution
 
 GYM_ID = "surmount/NarrowChannel-v0"
 NARROW = TaskDistribution.uniform(("width_mm",), np.array([180.0]), np.array([220.0]))

@@ -7,8 +7,7 @@ surmount reproduce lunar_lander:make_env --preset smoke --out runs/lander
 import gymnasium
 import numpy as np
 
-from surmount.envs import TaskEnv
-from surmount.tasks.space import TaskSpace
+from surmount import TaskEnv, TaskSpace
 
 
 def set_task(env, task):

@@ -10,10 +10,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.env_util import make_vec_env
 
 import lunar_lander
-from surmount import Curriculum
-from surmount.learn import TeacherCallback
-from surmount.tasks.regions import Regions
-from surmount.teachers import AdvancementConfig, LevelTeacher
+from surmount import AdvancementConfig, Curriculum, LevelTeacher, Regions, TeacherCallback
 
 
 def main(path, steps=500_000, num_envs=4, log="runs/sb3", **lengths):

@@ -6,7 +6,7 @@ python examples/train_sb3.py
 import gymnasium
 from stable_baselines3 import PPO
 
-import surmount.rstar.course  # noqa: F401  (registers the courses)
+import surmount.rstar  # noqa: F401  (registers the courses)
 
 
 def main(steps=200_000, heights_mm=(70.0, 100.0, 130.0)):

@@ -11,7 +11,7 @@ from skrl.memories.torch import RandomMemory
 from skrl.models.torch import DeterministicMixin, GaussianMixin, Model
 from skrl.trainers.torch import SequentialTrainer
 
-import surmount.rstar.course  # noqa: F401  (registers the courses)
+import surmount.rstar  # noqa: F401  (registers the courses)
 
 
 def network(inputs, outputs):

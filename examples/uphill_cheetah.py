@@ -9,8 +9,7 @@ surmount reproduce uphill_cheetah:make_env --preset smoke --out runs/cheetah
 import gymnasium
 import numpy as np
 
-from surmount.envs import TaskEnv
-from surmount.tasks.space import TaskSpace
+from surmount import TaskEnv, TaskSpace
 
 GRAVITY_MPS2 = 9.81
 GOAL_M = 2.0

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from small import SMALL, Watcher
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.configuration import override
-from surmount.envs import check_contract
-from surmount.experiment import begin, make_executor, preset
-from surmount.experiment import run as run_stages
-from surmount.report import write_report
+from surmount.envs.check import check_contract
+from surmount.experiment.presets import preset
+from surmount.experiment.running import begin, make_executor
+from surmount.experiment.running import run as run_stages
+from surmount.report.pages import write_report
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))

@@ -17,13 +17,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from surmount.analysis import AnalysisConfig
+from surmount.analysis.configuration import AnalysisConfig
 from surmount.cli.main import VERBS, run
 from surmount.core.configuration import dotted_keys, from_record, override, read_overrides
 from surmount.core.configuration import to_record as record_of
 from surmount.core.errors import SurmountError
 from surmount.core.records import read_record
-from surmount.experiment import ExperimentConfig, load_config, preset
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.presets import preset
+from surmount.experiment.running import load_config
 from surmount.tasks.curriculum import Curriculum
 from surmount.trials.table import read_trials, trials_from_table
 

@@ -22,13 +22,13 @@ from small import content, run_first_stages, small_config
 from surmount.cli.main import run
 from surmount.core.errors import InputError, IntegrityError, OutputError, SurmountError
 from surmount.core.records import read_record, write_atomically, write_record
-from surmount.experiment.task_family import obstacle_family
-from surmount.learn import Actor, Snapshot
+from surmount.learn.rollouts import Actor
+from surmount.learn.snapshot import Snapshot
 from surmount.report.figures.stills import csv_text
-from surmount.rstar.course import EnvConfig
+from surmount.rstar.course.config import EnvConfig
 from surmount.tasks.curriculum import Curriculum
 from surmount.trials.table import read_trials, write_trials
-from surmount.workflow import ArtefactStore
+from surmount.workflow.artefact_store import ArtefactStore
 from surmount.workflow.object_store import ObjectStore
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.store import LocalStore, sole_user
@@ -79,7 +79,7 @@ def test_a_pickle_by_any_name_is_refused_and_not_loaded(capsys, tmp_path, name, 
         "trials.parquet": ["analyze", path, "--out", tmp_path / "out"],
         "trials.csv": ["analyze", path, "--out", tmp_path / "out"],
         "curriculum.json": ["show", path],
-        "network.safetensors": ["render", path, "--obstacle", "step", "--out", tmp_path / "a.png"],
+        "network.safetensors": ["render", path, "--task", "step", "--out", tmp_path / "a.png"],
     }
     code, err = call(capsys, *calls[name])
     assert code == 3
@@ -166,7 +166,7 @@ def test_a_header_that_promises_too_much_is_refused(tmp_path):
 def test_a_network_whose_record_lies_is_refused_before_it_is_built(finished, change):
     (path,) = finished.glob("stages/initiation/network-0/*/network.safetensors")
     network = Snapshot.load(path)
-    env = obstacle_family("narrow-channel", EnvConfig()).trial_env(1)
+    env = find_family("narrow-channel").trial_env(EnvConfig(), 1)
     lying = replace(network, record={**network.record, **change})
     with pytest.raises(InputError, match="record describes"):
         Actor(lying, env.single_observation_space, env.single_action_space)
@@ -324,7 +324,7 @@ socket.socket.connect = socket.socket.connect_ex = socket.create_connection = re
 sys.path[:0] = sys.argv[2:]
 from pathlib import Path
 from small import run_first_stages, small_config
-from surmount.report import write_report
+from surmount.report.pages import write_report
 write_report(run_first_stages(Path(sys.argv[1]), small_config()))
 """
     here = Path(__file__).parent

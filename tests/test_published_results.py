@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.cli.main import run
 from surmount.tasks.curriculum import Curriculum
 from surmount.trials.table import read_trials

@@ -1,36 +1,11 @@
-"""Surmount: automatic curriculum determination for reinforcement learning."""
+"""Surmount: automatic curriculum determination for reinforcement learning.
 
-from surmount.analysis import (
-    Analysis,
-    AnalysisConfig,
-    determine_curriculum,
-    fit_mixture,
-    hellinger,
-    hellinger_matrix,
-)
-from surmount.analysis.mixture import Mixture
-from surmount.core.errors import SurmountError
-from surmount.tasks.curriculum import Box, Curriculum, Group, Level
-from surmount.tasks.distribution import TaskDistribution
-from surmount.trials.table import read_trials, trials_from_table, write_trials
-from surmount.trials.trials import Trials
+What is public stands in ``__init__.pyi`` beside this file; each name is imported when it is first
+used, so that ``import surmount`` loads neither PyTorch nor MuJoCo.
+"""
 
-__all__ = [
-    "Analysis",
-    "AnalysisConfig",
-    "Box",
-    "Curriculum",
-    "Group",
-    "Level",
-    "Mixture",
-    "SurmountError",
-    "TaskDistribution",
-    "Trials",
-    "determine_curriculum",
-    "fit_mixture",
-    "hellinger",
-    "hellinger_matrix",
-    "read_trials",
-    "trials_from_table",
-    "write_trials",
-]
+import lazy_loader
+
+__version__ = "0.1.0"
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ += ["__version__"]

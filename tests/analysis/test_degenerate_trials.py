@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from strategies import seeds
 
 from surmount import Analysis, AnalysisConfig, Trials, determine_curriculum
-from surmount.analysis import explain_analysis
+from surmount.analysis.explanation import explain_analysis
 from surmount.core.errors import ConfigError, InputError
 
 QUICK = AnalysisConfig(

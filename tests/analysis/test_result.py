@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, determine_curriculum
-from surmount.analysis import explain_analysis
+from surmount.analysis.explanation import explain_analysis
 from surmount.core.errors import InputError, SurmountError
 
 FAMILY = SyntheticFamily(sizes=(3, 3), behaviours=(0, 1), separation=9.0, trials=6, steps=30)

@@ -11,7 +11,8 @@ from strategies import random_mixture
 from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, determine_curriculum, hellinger
-from surmount.analysis import describe_curriculum, explain_analysis
+from surmount.analysis.description import describe_curriculum
+from surmount.analysis.explanation import explain_analysis
 from surmount.analysis.sensitivity import marginal
 from surmount.analysis.stability import Stability, resampled
 

@@ -10,9 +10,9 @@ import pytest
 from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, determine_curriculum
-from surmount.analysis import describe_trust, explain_analysis
+from surmount.analysis.explanation import explain_analysis
 from surmount.analysis.reference import check_hellinger
-from surmount.analysis.trust import is_stable, unstable_parts
+from surmount.analysis.trust import describe_trust, is_stable, unstable_parts
 
 FAMILY = SyntheticFamily(sizes=(4, 4), behaviours=(0, 1), separation=10.0, trials=10, steps=50)
 CONFIG = AnalysisConfig(

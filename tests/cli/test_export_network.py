@@ -8,7 +8,7 @@ from onnx.reference import ReferenceEvaluator
 from small import run_first_stages, small_config
 
 from surmount.cli.main import run
-from surmount.learn import Snapshot
+from surmount.learn.snapshot import Snapshot
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,9 @@ from small import SMALL, small_config
 from surmount.cli.main import run
 from surmount.core.configuration import dotted_keys, override, read_overrides
 from surmount.core.records import read_record, write_record
-from surmount.experiment import ExperimentConfig, begin, preset
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.presets import preset
+from surmount.experiment.running import begin
 from surmount.trials.table import write_trials
 
 
@@ -31,9 +33,9 @@ def reproduce(capsys, out, *arguments):
 @pytest.mark.parametrize(
     ("arguments", "sentence", "remedy"),
     [
-        (["stepp"], "Unknown obstacle `stepp`.", "Did you mean `step`?"),
+        (["stepp"], "There is no task `stepp`.", "Did you mean `step`?"),
         (["step", "--preset", "papper"], "Unknown preset `papper`.", "Did you mean `paper`?"),
-        ([], "No obstacle was given.", "narrow-channel"),
+        ([], "No task was given.", "narrow-channel"),
         (["step", "--set", "learner.lr=1"], "Unknown configuration key `learner.lr`.", "Did you"),
         (["step", "--set", "seed"], "`--set seed` is not an assignment.", "key=value"),
         (["step", "--seeds", "0"], "`networks` is 0.", "at least 1"),
@@ -99,7 +101,7 @@ def test_a_missing_extra_ends_with_code_6(tmp_path):
 
 def test_a_way_to_draw_that_is_not_there_ends_with_code_2():
     done = subprocess.run(
-        [sys.executable, "-c", "from surmount.cli import main; main(['config', 'step'])"],
+        [sys.executable, "-c", "from surmount.cli.main import main; main(['config', 'step'])"],
         capture_output=True,
         text=True,
         check=False,

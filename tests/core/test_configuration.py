@@ -18,7 +18,7 @@ from surmount.core.configuration import (
     to_record,
 )
 from surmount.core.errors import ConfigError
-from surmount.experiment import preset
+from surmount.experiment.presets import preset
 
 
 @dataclass(frozen=True, kw_only=True)

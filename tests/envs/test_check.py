@@ -10,7 +10,7 @@ import pytest
 from own_point import PointEnv, make_env, make_point, set_task
 
 from surmount.cli.main import run
-from surmount.envs import check_contract
+from surmount.envs.check import check_contract
 from surmount.tasks.space import TaskSpace
 
 

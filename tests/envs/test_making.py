@@ -8,11 +8,13 @@ import sys
 import gymnasium
 import pytest
 from own_point import PointEnv, make_env, make_point
+from surmount.experiment.task_family import own_family
 
 from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
-from surmount.envs import check_contract, make_task_env, source_hash, time_limit
-from surmount.experiment.task_family import own_family
+from surmount.envs.check import check_contract
+from surmount.envs.loading import source_hash
+from surmount.envs.making import make_task_env, time_limit
 
 POINT = "from own_point import PointEnv, make_point\n"
 BAD = {

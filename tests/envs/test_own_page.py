@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from surmount.cli.main import VERBS
-from surmount.envs import check_contract
+from surmount.envs.check import check_contract
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from own_point import make_env
 
-from surmount.envs import TaskBatch
-from surmount.learn import Checkpointing, LearnerConfig, Trainer
-from surmount.teachers import ReplayConfig, ReplayTeacher, TaskCells
+from surmount.envs.batch import TaskBatch
+from surmount.learn.config import LearnerConfig
+from surmount.learn.trainer import Checkpointing, Trainer
+from surmount.tasks.cells import TaskCells
+from surmount.teachers.replay import ReplayConfig, ReplayTeacher
 from surmount.workflow.monitor import Interrupted, SilentMonitor
 
 CONFIG = LearnerConfig(num_envs=3, hidden_layers=(8,), rollout_steps=32, batch_size=96)

@@ -10,7 +10,7 @@ from own_point import PointEnv, make_env, make_point, set_task
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 from surmount.core.errors import InputError
-from surmount.envs import TaskBatch
+from surmount.envs.batch import TaskBatch
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.space import TaskSpace, harder_by_success
 
@@ -84,7 +84,7 @@ def test_the_batch_resets_in_the_same_step_and_tells_the_last_infos():
 
 def test_without_autoreset_an_ended_episode_stays_as_it_is():
     batch = TaskBatch(make_env, 2, autoreset=False)
-    batch.reset(seed=0, options={"variant": np.array([[0.5, 0.0], [2.0, 0.0]]), "start": "fixed"})
+    batch.reset(seed=0, options={"variant": np.array([[0.5, 0.0], [2.0, 0.0]])})
     for _ in range(5):
         _, _, _, _, infos = batch.step(np.full((2, 1), 1.0))
     assert infos["is_success"].tolist() == [True, False]

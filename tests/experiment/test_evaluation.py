@@ -11,9 +11,10 @@ import pytest
 from small import run_first_stages, small_config
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.experiment import protocol
 from surmount.experiment.evaluation import evaluate_network
-from surmount.learn import TRAINED_ON, RolloutConfig, Snapshot, acting_only
+from surmount.experiment.protocol import protocol
+from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.snapshot import TRAINED_ON, Snapshot, acting_only
 from surmount.trials.table import read_trials
 from surmount.workflow.monitor import SilentMonitor
 
@@ -48,7 +49,7 @@ def test_a_network_alone_repeats_the_trials_of_its_run_to_the_last_bit(root, net
     (stage,) = [stage for stage in protocol(CONFIG) if stage.name == "trials/network-0"]
     evaluation = evaluated(network, seed=stage.seed)
     logged = read_trials(next(root.glob("stages/trials/**/trials.parquet")))
-    assert evaluation.obstacle.name == "narrow-channel"
+    assert evaluation.task == "rstar/narrow-channel"
     assert evaluation.cap_s == 2.0
     np.testing.assert_array_equal(evaluation.trials.features, logged.features)
     np.testing.assert_array_equal(evaluation.trials.success, logged.success)
@@ -57,7 +58,7 @@ def test_a_network_alone_repeats_the_trials_of_its_run_to_the_last_bit(root, net
 
 def test_sizes_and_settings_can_be_chosen(network):
     evaluation = evaluated(
-        network, sizes_mm=(250.5, 200.0), changes={"env.episode_s": 0.5, "env.start.yaw_deg": 1.0}
+        network, variants=(250.5, 200.0), changes={"env.episode_s": 0.5, "env.start.yaw_deg": 1.0}
     )
     assert np.unique(evaluation.trials.variant).tolist() == [200.0, 250.5]
     assert evaluation.trials.final("time_s").max() == 0.5
@@ -65,9 +66,9 @@ def test_sizes_and_settings_can_be_chosen(network):
 
 def test_what_does_not_belong_together_is_refused(network, tmp_path):
     with pytest.raises(InputError, match="does not fit the environment"):
-        evaluated(network, obstacle="step")
+        evaluated(network, task="step")
     with pytest.raises(InputError, match="400 mm is no size of the narrow-channel") as found:
-        evaluated(network, sizes_mm=(400.0,))
+        evaluated(network, variants=(400.0,))
     assert "180 to 320 mm" in found.value.remedy
     known = Snapshot.load(network)
     for trained_on, sentence in (
@@ -89,6 +90,6 @@ def test_what_does_not_belong_together_is_refused(network, tmp_path):
             evaluated(path)
     nothing = {name: value for name, value in known.record.items() if name != TRAINED_ON}
     replace(known, record=nothing).save(tmp_path / "silent.safetensors")
-    with pytest.raises(ConfigError, match="does not say which obstacle"):
+    with pytest.raises(ConfigError, match="does not say which task"):
         evaluated(tmp_path / "silent.safetensors")
-    assert evaluated(tmp_path / "silent.safetensors", obstacle="narrow-channel")
+    assert evaluated(tmp_path / "silent.safetensors", task="narrow-channel")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from surmount.experiment import preset, protocol
+from surmount.experiment.presets import preset
+from surmount.experiment.protocol import protocol
 from surmount.workflow.graph import check_graph
 from surmount.workflow.run_layout import expected_stages
 

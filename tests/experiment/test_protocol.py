@@ -16,7 +16,8 @@ from small import content, run_small, small_config
 
 from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record
-from surmount.experiment import begin, load_config, protocol
+from surmount.experiment.protocol import protocol
+from surmount.experiment.running import begin, load_config
 from surmount.rstar.course import scene
 from surmount.studies.initiation_map import Setting, initiation_stages
 from surmount.tasks.curriculum import Curriculum

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surmount.experiment.statistics import compare_group
-from surmount.stats import log_rank
+from surmount.stats.logrank import log_rank
 from surmount.tasks.curriculum import Box, Curriculum, Group
 from surmount.trials.trials import Trials
 

@@ -10,15 +10,17 @@ from small import SMALL, Watcher, small_config
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
-from surmount.experiment import begin, make_executor, preset, run
 from surmount.experiment.learning_speed import steps_to_95, success_in_training
+from surmount.experiment.presets import preset
+from surmount.experiment.running import begin, make_executor, run
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.learn.training_episodes import TrainingEpisodes
 from surmount.report.teachers_page import write_teachers_report
-from surmount.stats import Bootstrap, bootstrap_interval
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.evidence import bootstrap_interval
 from surmount.tasks.curriculum import Box, Curriculum, Group
-from surmount.teachers import TEACHERS, TeachersConfig
+from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 from surmount.trials.table import read_trials
 
 OWN = {key: value for key, value in SMALL.items() if not key.startswith("env.")}

@@ -20,13 +20,9 @@ import pytest
 
 from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError
-from surmount.exports import (
-    Columns,
-    export_curriculum,
-    export_ml_agents,
-    interval_counts,
-    read_log,
-)
+from surmount.exports.formats import export_curriculum
+from surmount.exports.ml_agents import export_ml_agents, interval_counts
+from surmount.exports.trial_logs import Columns, read_log
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 from surmount.trials.table import read_trials
 

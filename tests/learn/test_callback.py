@@ -12,22 +12,18 @@ from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
-from surmount.learn import TeacherCallback
+from surmount.learn.callback import TeacherCallback
 from surmount.learn.curriculum_log import MOST_REGIONS, variant_regions
 from surmount.learn.loggers import WRITERS, training_logger
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.regions import Regions
 from surmount.tasks.space import TaskSpace
-from surmount.teachers import (
-    AdvancementConfig,
-    AlpGmmConfig,
-    AlpGmmTeacher,
-    LevelTeacher,
-    ReplayConfig,
-    ReplayTeacher,
-    TaskCells,
-    UniformTeacher,
-)
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
+from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.replay import ReplayConfig, ReplayTeacher
+from surmount.teachers.uniform import UniformTeacher
 
 NAMES = ("distance_m", "wind")
 NEAR = TaskDistribution.uniform(NAMES, np.array([0.5, 0.0]), np.array([0.7, 0.1]))

@@ -9,10 +9,11 @@ from point_env import PointEnv
 from small_trainings import CONFIG, NEAR, StopAfter, assert_same_training, uniform_trainer
 
 from surmount.core.errors import InputError, IntegrityError, LearningError
-from surmount.learn import Checkpointing, Snapshot, Trainer
 from surmount.learn import ppo as ppo_module
 from surmount.learn.faults import LARGEST_LOSS, MOST_IN_A_ROW, is_sound_update
-from surmount.teachers import UniformTeacher
+from surmount.learn.snapshot import Snapshot
+from surmount.learn.trainer import Checkpointing, Trainer
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import Interrupted, SilentMonitor
 
 UPDATES = CONFIG.epochs * CONFIG.steps_per_rollout // CONFIG.batch_size

@@ -13,9 +13,10 @@ from onnx.reference import ReferenceEvaluator
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from surmount.core.errors import InputError
-from surmount.learn import TRAINED_ON, Actor, Snapshot, acting_only
 from surmount.learn.mlp import ACTIVATIONS
 from surmount.learn.onnx_export import export_onnx
+from surmount.learn.rollouts import Actor
+from surmount.learn.snapshot import TRAINED_ON, Snapshot, acting_only
 
 OBSERVATIONS = gymnasium.spaces.Box(-np.inf, np.inf, (7,))
 ACTIONS = gymnasium.spaces.Box(-1.0, 1.0, (3,))
@@ -43,7 +44,7 @@ def network(activation="tanh", *, normalise=True):
             "hidden_layers": [16, 12],
             "activation": activation,
             "normalise_observations": normalise,
-            TRAINED_ON: {"obstacle": "step"},
+            TRAINED_ON: {"task": "step"},
         },
     )
 
@@ -72,7 +73,7 @@ def test_it_says_what_it_was_trained_on_and_is_the_same_file_every_time(tmp_path
         export_onnx(network(), tmp_path / name)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
     (entry,) = onnx.load(tmp_path / "one").metadata_props
-    assert (entry.key, json.loads(entry.value)) == (TRAINED_ON, {"obstacle": "step"})
+    assert (entry.key, json.loads(entry.value)) == (TRAINED_ON, {"task": "step"})
 
 
 def test_a_snapshot_without_a_policy_is_refused(tmp_path):

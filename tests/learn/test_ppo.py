@@ -15,7 +15,7 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
 from surmount.core.errors import LearningError
-from surmount.learn import LearnerConfig
+from surmount.learn.config import LearnerConfig
 from surmount.learn.mlp import ACTIVATIONS, ActorCritic
 from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO

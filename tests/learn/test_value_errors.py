@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from point_env import PointEnv
 
-from surmount.learn import LearnerConfig, Trainer
+from surmount.learn.config import LearnerConfig
+from surmount.learn.trainer import Trainer
 from surmount.learn.value_errors import EpisodeErrors
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers import UniformTeacher
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import SilentMonitor
 
 

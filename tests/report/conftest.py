@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from run_builder import RunBuilder
 
-from surmount.report import write_report
+from surmount.report.pages import write_report
 from surmount.workflow.store import Artefact
 
 

@@ -13,14 +13,16 @@ from matplotlib.cbook import boxplot_stats
 from scipy.cluster import hierarchy
 from synthetic_trials import SyntheticFamily
 
-from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.determination import determine_curriculum
+from surmount.analysis.result import Analysis
 from surmount.core.records import read_record
-from surmount.report import write_analysis_report
 from surmount.report.contents import document_of
 from surmount.report.figures.curves import running_mean
 from surmount.report.figures.dendrogram_layout import layout
 from surmount.report.figures.fit import mixture_fit
 from surmount.report.figures.path import box_of
+from surmount.report.pages import write_analysis_report
 from surmount.report.results import read_run
 from surmount.report.sections.grouping import grouping_section
 from surmount.workflow.run_layout import TRIALS

@@ -16,7 +16,9 @@ from surmount.report.document.text import (
 )
 from surmount.report.figures.plots import hover, plain
 from surmount.report.verdicts import because, path_verdict, success_verdict, time_verdict
-from surmount.stats import MethodContrast, log_rank, proportion_test
+from surmount.stats.logrank import log_rank
+from surmount.stats.mixed import MethodContrast
+from surmount.stats.proportions import proportion_test
 from surmount.studies.paper.results import PAPER_RESULTS
 
 

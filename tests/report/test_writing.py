@@ -14,17 +14,18 @@ from markdown_it import MarkdownIt
 from page_reader import PageReader
 from run_builder import SMALL, RunBuilder
 
-from surmount.analysis import Analysis, describe_trust
 from surmount.analysis.explanation import link_table
+from surmount.analysis.result import Analysis
+from surmount.analysis.trust import describe_trust
 from surmount.core.errors import InputError, IntegrityError, MissingExtraError, OutputError
 from surmount.core.records import read_record, write_record
 from surmount.experiment.stages import analyse
-from surmount.report import write_analysis_report, write_report
 from surmount.report.contents import document_of
 from surmount.report.document.markdown import markdown
 from surmount.report.document.page import page
 from surmount.report.document.text import short
 from surmount.report.figures.stills import StillFiles, draw
+from surmount.report.pages import write_analysis_report, write_report
 from surmount.report.results import read_run
 
 FIGURES = {

@@ -5,7 +5,9 @@ import pytest
 from scipy.stats import t as t_law
 
 from surmount.core.errors import InputError
-from surmount.stats import Bootstrap, bootstrap_interval, network_difference
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.differences import network_difference
+from surmount.stats.evidence import bootstrap_interval
 
 
 def test_pairs_follow_the_t_law_of_their_differences():

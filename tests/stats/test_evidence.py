@@ -9,14 +9,14 @@ from scipy.stats import bootstrap as scipys_bootstrap
 from stats_reference import parametrized
 
 from surmount.core.errors import InputError
-from surmount.stats import (
-    Bootstrap,
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.evidence import (
     bootstrap_interval,
     difference_interval,
     interquartile_mean,
-    performance_profile,
     probability_of_improvement,
 )
+from surmount.stats.profile import performance_profile
 
 ONCE = Bootstrap(seed=1)
 SCORES = np.array([[0.2, 0.4, 0.9], [0.5, 0.5, 1.0], [0.1, 0.3, 0.7], [0.6, 0.2, 0.8]])

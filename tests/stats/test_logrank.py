@@ -8,7 +8,7 @@ from scipy.stats import CensoredData, logrank
 from stats_reference import assert_equal, parametrized
 
 from surmount.core.errors import InputError
-from surmount.stats import log_rank
+from surmount.stats.logrank import log_rank
 
 trials = st.lists(
     st.tuples(st.integers(0, 12), st.booleans(), st.sampled_from("ab")), min_size=2, max_size=40

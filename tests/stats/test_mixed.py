@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from stats_reference import assert_equal, cases, parametrized
 
 from surmount.core.errors import InputError
-from surmount.stats import mixed_model
+from surmount.stats.mixed import mixed_model
 
 NAMES = {"response": "y", "group": "group", "method": "method", "subject": "network"}
 RULES = pytest.mark.parametrize("rule", ["kenward-roger", "satterthwaite"])

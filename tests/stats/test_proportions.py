@@ -8,7 +8,7 @@ from scipy.stats import binomtest, chi2_contingency
 from stats_reference import assert_equal, parametrized
 
 from surmount.core.errors import InputError
-from surmount.stats import proportion_intervals, proportion_test
+from surmount.stats.proportions import proportion_intervals, proportion_test
 
 
 @parametrized("proportions")

@@ -8,7 +8,7 @@ from scipy.stats import CensoredData, ecdf
 from stats_reference import assert_equal, parametrized
 
 from surmount.core.errors import InputError
-from surmount.stats import kaplan_meier
+from surmount.stats.survival import kaplan_meier
 
 CURVE_FIELDS = (
     *("time", "at_risk", "events", "censored"),

@@ -3,7 +3,8 @@ import json
 import pytest
 
 from surmount.core.errors import InputError
-from surmount.stats import kaplan_meier, steps_to_threshold
+from surmount.stats.survival import kaplan_meier
+from surmount.stats.thresholds import steps_to_threshold
 
 STEPS = [100_000, 200_000, 300_000, 400_000]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gymnasium
 import numpy as np
 
-from surmount.envs import TaskEnv
+from surmount.envs.task_env import TaskEnv
 from surmount.tasks.space import TaskSpace
 
 

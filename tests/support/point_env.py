@@ -20,7 +20,7 @@ MAX_STEPS = 40
 
 
 class PointEnv:
-    """Satisfies ``surmount.learn.TaskVectorEnv``; ``autoreset=False`` freezes ended trials."""
+    """Satisfies ``surmount.envs.TaskVectorEnv``; ``autoreset=False`` freezes ended trials."""
 
     task_parameters = ("distance_m",)
     feature_names = ("time_s", "position_m")

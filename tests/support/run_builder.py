@@ -11,18 +11,20 @@ from synthetic_trials import SyntheticFamily
 
 from surmount.core.configuration import override, to_record
 from surmount.core.records import record_hash, write_record
-from surmount.experiment import ExperimentConfig, preset
+from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.history_tables import write_history
+from surmount.experiment.presets import preset
 from surmount.experiment.stages import analyse
 from surmount.experiment.statistics import compare
-from surmount.learn import History
+from surmount.learn.history import History
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers import LevelTeacher, UniformTeacher
+from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.teacher import Episodes, RolloutOutcome, Teacher
+from surmount.teachers.uniform import UniformTeacher
 from surmount.trials.table import write_trials
 from surmount.trials.trials import Trials
-from surmount.workflow import ArtefactStore
+from surmount.workflow.artefact_store import ArtefactStore
 from surmount.workflow.graph import StageContext, StageFunction
 from surmount.workflow.monitor import SilentMonitor
 from surmount.workflow.run_layout import ARMS

@@ -6,8 +6,11 @@ from pathlib import Path
 
 from surmount.core.configuration import override
 from surmount.core.records import read_record
-from surmount.experiment import ExperimentConfig, begin, make_executor, preset, protocol, run
-from surmount.workflow import GraphRunner
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.presets import preset
+from surmount.experiment.protocol import protocol
+from surmount.experiment.running import begin, make_executor, run
+from surmount.workflow.runner import GraphRunner
 
 SMALL = {
     "networks": 2,

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 from point_env import PointEnv
 
-from surmount.learn import LearnerConfig, Trainer
+from surmount.learn.config import LearnerConfig
+from surmount.learn.trainer import Trainer
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.uniform import UniformTeacher
 
 CONFIG = LearnerConfig(
     num_envs=4, hidden_layers=(16, 16), rollout_steps=64, batch_size=64, learning_rate=3e-3

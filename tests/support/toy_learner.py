@@ -10,7 +10,7 @@ import numpy as np
 
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers import TeacherContext
+from surmount.teachers.catalogue import TeacherContext
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 
 VARIANTS = np.linspace(0.0, 1.0, 21)[:, None]

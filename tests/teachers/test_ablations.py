@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from toy_learner import VARIANTS, ToyLearner, toy_context, toy_curriculum, train
 
-from surmount.analysis import AnalysisConfig
+from surmount.analysis.configuration import AnalysisConfig
 from surmount.core.errors import ConfigError
-from surmount.teachers import AdvancementConfig, TaskCells, make_teacher
+from surmount.tasks.cells import TaskCells
 from surmount.teachers.ablations import (
     by_parameter_distance,
     easy_to_hard,
@@ -18,6 +18,8 @@ from surmount.teachers.ablations import (
     randomly_ordered,
     stepwise,
 )
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.catalogue import make_teacher
 
 PAPER = toy_curriculum()
 CONFIG = AnalysisConfig()

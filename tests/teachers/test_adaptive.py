@@ -10,24 +10,20 @@ import pytest
 from toy_learner import VARIANTS, WHOLE, ToyLearner, toy_context, train
 
 from surmount.core.errors import ConfigError, InputError
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers import (
-    TEACHERS,
-    AlpGmmConfig,
-    AlpGmmTeacher,
-    LearnabilityConfig,
-    LearnabilityTeacher,
-    LearningProgressConfig,
-    LearningProgressTeacher,
-    PromotionTeacher,
-    ReplayConfig,
-    ReplayTeacher,
+from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
+from surmount.teachers.catalogue import TEACHERS, make_teacher
+from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
+from surmount.teachers.learning_progress import LearningProgressConfig, LearningProgressTeacher
+from surmount.teachers.promotion import PromotionTeacher
+from surmount.teachers.replay import ReplayConfig, ReplayTeacher
+from surmount.teachers.self_paced import (
     SelfPacedConfig,
     SelfPacedTeacher,
-    TaskCells,
-    make_teacher,
+    divergence,
+    self_paced_step,
 )
-from surmount.teachers.self_paced import divergence, self_paced_step
 
 CELLS = TaskCells(("x",), VARIANTS)
 BUDGET = {"total_steps": 10**6, "seed": 0}

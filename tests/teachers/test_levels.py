@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from surmount.core.errors import ConfigError, InputError
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher, gain_ratio, passes
+from surmount.teachers.advancement import AdvancementConfig, gain_ratio, passes
+from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.teacher import Episodes, RolloutOutcome
+from surmount.teachers.uniform import UniformTeacher
 
 CONFIG = AdvancementConfig(
     iteration_steps=100, extension_steps=40, window_steps=10, threshold=0.1, max_extensions=3

@@ -7,7 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from surmount.experiment.teaching import SETTINGS
-from surmount.teachers import TEACHERS, TeachersConfig
+from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "teachers.md").read_text(encoding="utf-8")

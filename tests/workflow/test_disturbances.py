@@ -18,7 +18,7 @@ from surmount.core.records import read_record, write_record
 from surmount.workflow.store import sole_user
 
 OPTIONS = [f"--set={key}={json.dumps(value)}" for key, value in SMALL.items()]
-COMMAND = [sys.executable, "-c", "from surmount.cli import main; main()", "reproduce"]
+COMMAND = [sys.executable, "-c", "from surmount.cli.main import main; main()", "reproduce"]
 
 
 def namespace_is_possible() -> bool:

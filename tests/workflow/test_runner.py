@@ -11,8 +11,11 @@ import toy_stages
 
 from surmount.core.errors import IntegrityError, LearningError
 from surmount.core.records import read_record
-from surmount.workflow import GraphRunner, InProcessExecutor, ProcessExecutor, WorkerLostError
+from surmount.workflow.executor import WorkerLostError
 from surmount.workflow.graph import Stage, check_graph
+from surmount.workflow.in_process import InProcessExecutor
+from surmount.workflow.local_processes import ProcessExecutor
+from surmount.workflow.runner import GraphRunner
 
 
 class Observer:

@@ -16,8 +16,8 @@ from pathlib import Path
 import polars as pl
 
 from surmount.experiment import stages
-from surmount.learn import Snapshot, acting_only
-from surmount.report import write_report
+from surmount.learn.snapshot import Snapshot, acting_only
+from surmount.report.pages import write_report
 from surmount.trials.table import read_trials
 from surmount.workflow.run_folder import RunFolder, open_run
 from surmount.workflow.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS, TRIALS

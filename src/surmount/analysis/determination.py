@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from surmount.analysis.cells import group_boxes
 from surmount.analysis.component_count import BICCurve
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.cut import cut_dendrogram
@@ -12,6 +11,7 @@ from surmount.analysis.dendrogram import build_dendrogram
 from surmount.analysis.expectation_maximisation import Components
 from surmount.analysis.features import VariantSamples, variant_samples
 from surmount.analysis.fitting import FitSamples, affordable_components, bic_curve, mixture_of
+from surmount.analysis.group_boxes import group_boxes
 from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.levels import build_levels

@@ -7,15 +7,13 @@ from typing import Annotated
 
 import tyro
 
-from surmount.analysis import (
-    AnalysisConfig,
-    describe_curriculum,
-    describe_trust,
-    determine_curriculum,
-)
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.description import describe_curriculum
+from surmount.analysis.determination import determine_curriculum
+from surmount.analysis.trust import describe_trust
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override
-from surmount.report import write_analysis_report
+from surmount.report.pages import write_analysis_report
 from surmount.trials.table import read_trials
 from surmount.workflow.store import output_errors, sole_user
 

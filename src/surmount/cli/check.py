@@ -6,7 +6,8 @@ from typing import Annotated
 
 import tyro
 
-from surmount.envs import check_contract, load_make_env
+from surmount.envs.check import check_contract
+from surmount.envs.loading import load_make_env
 
 BROKEN = 3
 """Exit code where a clause does not hold, as for an input that cannot be used."""

@@ -20,9 +20,9 @@ from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
 from surmount.experiment.teacher_statistics import FILE
 from surmount.experiment.teaching import COMPARISON, SETTINGS, comparison_graph
-from surmount.report import write_report
+from surmount.report.pages import write_report
 from surmount.report.teachers_page import write_teachers_report
-from surmount.teachers import TEACHERS, TeachersConfig
+from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 
 DEFAULT = ("paper", "uniform", "easy-to-hard", "parameter-distance", "alp-gmm", "plr")
 TEACHING = "teaching."
@@ -33,7 +33,7 @@ def compare(
     task: Annotated[
         str | None,
         tyro.conf.Positional,
-        tyro.conf.arg(metavar="{narrow-channel,low-entrance,step,MODULE:FUNCTION}"),
+        tyro.conf.arg(metavar="TASK"),
     ] = None,
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],

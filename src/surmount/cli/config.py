@@ -9,8 +9,8 @@ import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import dotted_keys, override, to_record
-from surmount.experiment import ExperimentConfig
-from surmount.experiment import preset as experiment_preset
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.presets import preset as experiment_preset
 
 
 def config(

@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.exports import Columns, read_log
+from surmount.exports.trial_logs import Columns, read_log
 from surmount.trials.table import write_trials
 from surmount.workflow.store import output_errors
 

@@ -19,7 +19,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from surmount.workflow import StageEvent
+from surmount.workflow.executor import StageEvent
 from surmount.workflow.monitor import Progress as StageProgress
 from surmount.workflow.store import Artefact, output_errors
 

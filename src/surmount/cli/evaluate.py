@@ -13,8 +13,8 @@ from rich.table import Table
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.experiment.evaluation import Evaluation, evaluate_network
-from surmount.learn import RolloutConfig
-from surmount.stats import proportion_intervals
+from surmount.learn.rollouts import RolloutConfig
+from surmount.stats.proportions import proportion_intervals
 from surmount.trials.table import write_trials
 from surmount.workflow.monitor import SilentMonitor
 from surmount.workflow.store import output_errors
@@ -23,10 +23,8 @@ from surmount.workflow.store import output_errors
 def evaluate(
     network: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="NETWORK.safetensors")],
     *,
-    obstacle: Annotated[
-        str | None, tyro.conf.arg(metavar="{narrow-channel,low-entrance,step}")
-    ] = None,
-    variant: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM ...")] = (),
+    task: Annotated[str | None, tyro.conf.arg(metavar="TASK")] = None,
+    variant: Annotated[tuple[float, ...], tyro.conf.arg(metavar="VALUE ...")] = (),
     repetitions: int = 30,
     seed: int = 0,
     deterministic: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
@@ -34,13 +32,14 @@ def evaluate(
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
 ) -> int:
-    """Try a trained network from the fixed start pose and show its success by size.
+    """Try a trained network as trials do, and show its success by variant.
 
     Args:
         network: The network of a run, or a published one.
-        obstacle: Obstacle of a network that does not tell what it was trained on.
-        variant: Sizes in mm; the paper's if left out.
-        repetitions: Trials of each size.
+        task: Task of a network that does not tell what it was trained on.
+        variant: Values of the task parameter, one variant each; with several parameters, one value
+            for each in turn. All variants of the task if left out.
+        repetitions: Trials of each variant.
         seed: Seed of the actions that the policy draws.
         deterministic: Act by the policy's mean instead of drawing actions.
         out: Table of the trials to write, .parquet or .csv.
@@ -51,8 +50,8 @@ def evaluate(
     evaluation = evaluate_network(
         network,
         RolloutConfig(repetitions=repetitions, deterministic=deterministic),
-        obstacle=obstacle,
-        sizes_mm=variant,
+        task=task,
+        variants=variant,
         changes=overrides(config, set),
         seed=seed,
         monitor=SilentMonitor(),
@@ -67,18 +66,24 @@ def evaluate(
 
 
 def _table(evaluation: Evaluation) -> Table:
-    trials, obstacle = evaluation.trials, evaluation.obstacle
-    sizes_mm, which = np.unique(trials.variant[:, 0], return_inverse=True)
-    tried = np.bincount(which)
-    won = np.bincount(which, weights=trials.success).astype(np.int64)
+    trials = evaluation.trials
+    variants, which = trials.variants()
+    tried = np.bincount(which, minlength=len(variants))
+    won = np.bincount(which, weights=trials.success, minlength=len(variants)).astype(np.int64)
     interval = proportion_intervals(won, tried)
     times_s = np.where(trials.success, trials.final("time_s"), evaluation.cap_s)
-    table = Table(title=f"{obstacle.name}: {trials.success.mean():.1%} of {trials.n_trials:,}")
-    for heading in (obstacle.parameter, "successes", "rate", "95 % (Wilson)", "median time, s"):
+    table = Table(title=f"{evaluation.task}: {trials.success.mean():.1%} of {trials.n_trials:,}")
+    for heading in (
+        *evaluation.space.parameters,
+        "successes",
+        "rate",
+        "95 % (Wilson)",
+        "median time, s",
+    ):
         table.add_column(heading, justify="right")
-    for index, size_mm in enumerate(sizes_mm):
+    for index, variant in enumerate(variants):
         table.add_row(
-            f"{size_mm:g}",
+            *(f"{value:g}" for value in variant),
             f"{won[index]} / {tried[index]}",
             f"{interval.proportions[index]:.2f}",
             f"{interval.lower[index]:.2f} to {interval.upper[index]:.2f}",

@@ -9,7 +9,8 @@ import tyro
 
 from surmount.core.errors import ConfigError
 from surmount.core.records import write_atomically
-from surmount.exports import FORMATS, export_curriculum, export_ml_agents
+from surmount.exports.formats import FORMATS, export_curriculum
+from surmount.exports.ml_agents import export_ml_agents
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.store import output_errors
 
@@ -64,8 +65,8 @@ def export(
 
 def _export_network(file: Path, to: str, out: Path) -> int:
     # A curriculum goes to other frameworks without the laboratory.
-    from surmount.learn import Snapshot, acting_only  # noqa: PLC0415
     from surmount.learn.onnx_export import export_onnx  # noqa: PLC0415
+    from surmount.learn.snapshot import Snapshot, acting_only  # noqa: PLC0415
 
     if to not in NETWORK_FORMATS:
         raise ConfigError(

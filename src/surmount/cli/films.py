@@ -7,6 +7,7 @@ from pathlib import Path
 
 from surmount.core.errors import SurmountError
 from surmount.core.extras import missing_extra
+from surmount.report.contents import family_of
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.store import output_errors
 
@@ -14,10 +15,10 @@ from surmount.workflow.store import output_errors
 def films(root: Path, say: Callable[[str], None]) -> None:
     """Draw the films of a run, or say why there are none: the page does without them."""
     try:
-        from surmount.rstar.film.run_films import draw_films  # noqa: PLC0415 - needs extras
-
-        with output_errors(root):
-            draw_films(open_run(root), say)
+        family = family_of(open_run(root))
+        if family is not None:
+            with output_errors(root):
+                family.draw_films(root, say)
     except ModuleNotFoundError as error:
         known = missing_extra(error)
         if known is None:

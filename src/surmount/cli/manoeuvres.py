@@ -10,7 +10,8 @@ import tyro
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.core.configuration import override, to_record
 from surmount.core.records import write_record
-from surmount.rstar.course import OBSTACLES, EnvConfig
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.manoeuvres.library import ATTEMPTS, build_libraries
 from surmount.workflow.provenance import provenance
 from surmount.workflow.store import output_errors

@@ -9,7 +9,8 @@ import tyro
 
 from surmount.cli.films import films
 from surmount.core.errors import ConfigError
-from surmount.report import write_overview, write_report
+from surmount.report.pages import write_report
+from surmount.studies.paper.pages import write_overview
 
 
 def report(

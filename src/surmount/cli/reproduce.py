@@ -16,15 +16,19 @@ from surmount.cli.summary import print_summary
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
-from surmount.experiment import ExperimentConfig, load_config, preset, protocol
-from surmount.report import write_report
+from surmount.envs.registry import find_family
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.presets import preset
+from surmount.experiment.protocol import protocol
+from surmount.experiment.running import load_config
+from surmount.report.pages import write_report
 
 
 def reproduce(
-    obstacle: Annotated[
+    task: Annotated[
         str | None,
         tyro.conf.Positional,
-        tyro.conf.arg(metavar="{narrow-channel,low-entrance,step,MODULE:FUNCTION}"),
+        tyro.conf.arg(metavar="TASK"),
     ] = None,
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
@@ -41,8 +45,8 @@ def reproduce(
     training goes on from its last checkpoint to the same result. Ctrl-C stops cleanly.
 
     Args:
-        obstacle: The obstacle, or an environment of your own as my_module:make_env (see `surmount
-            check`); may be left out with --resume.
+        task: One of those that `surmount tasks` lists, or an environment of your own as
+            my_module:make_env (see `surmount check`); may be left out with --resume.
         out: Folder for everything the run makes.
         preset: smoke (minutes, shows the method at work) or paper (the paper's scale, many hours).
         seeds: Number of independent initial networks; the preset's if not given.
@@ -54,7 +58,7 @@ def reproduce(
     changes = overrides(config, set)
     if seeds is not None:
         changes["networks"] = seeds
-    chosen = override(begun_with(obstacle, preset, out, resume=resume), changes)
+    chosen = override(begun_with(task, preset, out, resume=resume), changes)
     graph = protocol(chosen)
     console = Console()
     outcome = run_experiment(out, chosen, graph, workers, console)
@@ -68,27 +72,27 @@ def reproduce(
     return 0
 
 
-def begun_with(obstacle: str | None, scale: str, out: Path, *, resume: bool) -> ExperimentConfig:
-    """Return the preset of an obstacle, or the configuration of the run in a folder.
+def begun_with(task: str | None, name: str, out: Path, *, resume: bool) -> ExperimentConfig:
+    """Return the preset of a task, or the configuration of the run in a folder.
 
     Raises
     ------
     ConfigError
-        If no obstacle is given to begin with, or the run is on another one.
+        If no task is given to begin with, or the run is on another one.
     OutputError
         If a run is to be resumed and there is none.
     """
     if resume:
         stored = load_config(out)
-        if obstacle not in (None, stored.obstacle):
+        if task is not None and find_family(task).name != stored.task:
             raise ConfigError(
-                f"{out} holds a run on {stored.obstacle}, not on {obstacle}.",
-                remedy="Leave the obstacle out, or choose another --out folder.",
+                f"{out} holds a run on {stored.task}, not on {task}.",
+                remedy="Leave the task out, or choose another --out folder.",
             )
         return stored
-    if obstacle is None:
+    if task is None:
         raise ConfigError(
-            "No obstacle was given.",
+            "No task was given.",
             remedy="Name narrow-channel, low-entrance or step, or my_module:make_env.",
         )
-    return preset(obstacle, scale)
+    return preset(task, name)

@@ -14,8 +14,12 @@ from rich.console import Console
 from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.workers import Workers
-from surmount.experiment import ExperimentConfig, begin, refuse_other, run
-from surmount.workflow import ArtefactStore, Executor, GraphRunner, RunOutcome, Stage
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.running import begin, refuse_other, run
+from surmount.workflow.artefact_store import ArtefactStore
+from surmount.workflow.executor import Executor
+from surmount.workflow.graph import Stage
+from surmount.workflow.runner import GraphRunner, RunOutcome
 from surmount.workflow.store import output_errors, sole_user
 
 

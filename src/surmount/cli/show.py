@@ -7,8 +7,11 @@ from typing import Annotated
 
 import tyro
 
-from surmount.analysis import Analysis, describe_curriculum, describe_trust, explain_analysis
+from surmount.analysis.description import describe_curriculum
+from surmount.analysis.explanation import explain_analysis
+from surmount.analysis.result import Analysis
 from surmount.analysis.result_reading import KIND
+from surmount.analysis.trust import describe_trust
 from surmount.core.errors import InputError
 from surmount.core.records import read_record
 from surmount.tasks.curriculum import Curriculum

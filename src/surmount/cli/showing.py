@@ -20,9 +20,7 @@ class Shown:
     source: Annotated[str, tyro.conf.Positional]
     """An obstacle (narrow-channel, low-entrance, step), shown with its stored manoeuvre; or a
     path: a run's folder, a network.safetensors, a table of trials, a manoeuvre in JSON."""
-    obstacle: Annotated[str | None, tyro.conf.arg(metavar="{narrow-channel,low-entrance,step}")] = (
-        None
-    )
+    task: Annotated[str | None, tyro.conf.arg(metavar="{narrow-channel,low-entrance,step}")] = None
     """Obstacle that a file belongs to; not needed for files of a run."""
     stage: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Stage of a run's folder, such as curriculum/network-0 for the network trained there, or
@@ -50,7 +48,7 @@ def shown_motions(shown: Shown) -> list[Motion]:
     torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
     wanted = Wanted(
         source=shown.source,
-        obstacle=shown.obstacle,
+        task=shown.task,
         stage=shown.stage,
         sizes_mm=shown.variant,
         trials=shown.trial,

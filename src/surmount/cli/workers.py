@@ -8,9 +8,8 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.experiment import make_executor
-from surmount.workflow import Executor
-from surmount.workflow.executor import Listener
+from surmount.experiment.running import make_executor
+from surmount.workflow.executor import Executor, Listener
 from surmount.workflow.runner import RETRIES
 
 

@@ -18,7 +18,7 @@ KEYS = ("variant", "is_success", "diverged", "features")
 
 
 class TaskBatch:
-    """Satisfies :class:`surmount.learn.TaskVectorEnv` for environments stepped one by one.
+    """Satisfies :class:`surmount.envs.TaskVectorEnv` for environments stepped one by one.
 
     Parameters
     ----------

@@ -150,7 +150,6 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             self._rng = np.random.default_rng(seed)
         rest = dict(options or {})
         chosen = rest.pop("variant", None)
-        rest.pop("start", None)
         episode_seed = int(self._rng.integers(EPISODE_SEEDS))
         drawn = self._distribution.sample(self._rng, 1)[0]
         task = drawn if chosen is None else np.asarray(chosen, dtype=np.float64).reshape(-1)

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass, field, make_dataclass, replace
+from typing import Any
 
-from surmount.analysis import AnalysisConfig
-from surmount.core.errors import ConfigError
-from surmount.learn import LearnerConfig, RolloutConfig
-from surmount.rstar.course import EnvConfig
-from surmount.teachers import AdvancementConfig
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.core.configuration import from_record
+from surmount.core.errors import ConfigError, InputError
+from surmount.envs.family import NoSettings, TaskFamily
+from surmount.envs.registry import find_family
+from surmount.learn.config import LearnerConfig
+from surmount.learn.rollouts import RolloutConfig
+from surmount.teachers.advancement import AdvancementConfig
 from surmount.workflow.run_layout import MOST_NETWORKS
 
 MOST_STEPS = 10**12
@@ -17,13 +23,17 @@ MOST_STEPS = 10**12
 
 @dataclass(frozen=True, kw_only=True)
 class ExperimentConfig:
-    """The protocol of the paper for one obstacle: every choice, frozen and validated."""
+    """The protocol of the paper for one family of tasks: every choice, frozen and validated.
 
-    obstacle: str
-    """Name of the obstacle: ``narrow-channel``, ``low-entrance`` or ``step``; or
-    ``module:function`` for an environment of one's own."""
+    A configuration is an instance of :func:`config_class` of its family, whose ``env`` has the type
+    of the family's settings.
+    """
 
-    scale: str
+    task: str
+    """Name of the family of tasks, such as ``rstar/step``; or ``module:function`` for an
+    environment of one's own."""
+
+    preset: str
     """Name of the preset the configuration began as: ``smoke`` or ``paper``."""
 
     seed: int = 0
@@ -39,12 +49,12 @@ class ExperimentConfig:
     checkpoint_steps: int = 50_000
     """Learning steps between checkpoints: what a kill loses at the most (assumed)."""
 
-    own_sha256: str = ""
-    """SHA-256 of the file of one's own environment, empty for RSTAR's obstacles: with another file
-    it is another experiment."""
+    fingerprint: str = ""
+    """Hash of what the environments are made from besides ``env``, such as their source or the
+    compiled model: filled in when a run begins. With another one it is another experiment."""
 
-    env: EnvConfig = field(default_factory=EnvConfig)
-    """Robot, obstacle course, reward and timing; unused with an environment of one's own."""
+    env: Any = field(default_factory=NoSettings)
+    """The family's own settings."""
 
     learner: LearnerConfig = field(default_factory=LearnerConfig)
     """PPO."""
@@ -87,3 +97,45 @@ class ExperimentConfig:
             raise ConfigError(
                 f"`seed` is {self.seed}.", remedy="Give a number from 0 to 2147483647."
             )
+
+    @property
+    def family(self) -> TaskFamily:
+        """The family of tasks."""
+        return find_family(self.task)
+
+
+@functools.cache
+def config_class(settings: type[Any]) -> type[ExperimentConfig]:
+    """Return the class of configurations whose ``env`` has a family's settings."""
+    return make_dataclass(
+        ExperimentConfig.__name__,
+        [("env", settings, field(default_factory=settings))],
+        bases=(ExperimentConfig,),
+        namespace={"__doc__": ExperimentConfig.__doc__, "__module__": __name__},
+        frozen=True,
+        kw_only=True,
+    )
+
+
+def config_from_record(record: Mapping[str, Any]) -> ExperimentConfig:
+    """Read a configuration of any family.
+
+    Raises
+    ------
+    ConfigError
+        If its family is not known, or a key or value is not.
+    InputError
+        If it names no family.
+    """
+    task = record.get("task")
+    if not isinstance(task, str):
+        raise InputError(
+            "The configuration names no task.", remedy="Give the configuration of a run."
+        )
+    family = find_family(task)
+    return from_record(config_class(family.settings), {**record, "task": family.name})
+
+
+def fingerprinted(config: ExperimentConfig) -> ExperimentConfig:
+    """Return the configuration with the fingerprint that its environments have now."""
+    return replace(config, fingerprint=config.family.fingerprint(config.env))

@@ -1,4 +1,4 @@
-"""A trained network tried on sizes of its obstacle, outside of any run."""
+"""A trained network tried on variants of its task, outside of any run."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
-from surmount.experiment.origin import NO_CHANGES, course, home
-from surmount.experiment.task_family import obstacle_family
-from surmount.learn import Actor, RolloutConfig, Snapshot, roll_out
-from surmount.rstar.course import Obstacle
+from surmount.experiment.origin import NO_CHANGES, config_of, home
+from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.snapshot import Snapshot
+from surmount.tasks.space import TaskSpace
 from surmount.trials.trials import Trials
 from surmount.workflow.monitor import Monitor
 
@@ -25,15 +25,18 @@ class Evaluation:
 
     Attributes
     ----------
-    obstacle
-        The family.
+    task
+        Name of the family.
+    space
+        Its task parameters.
     cap_s
         Time after which a trial ends as failed, in s.
     trials
-        Every trial, with its features at every decision.
+        Every trial, with its features at every step.
     """
 
-    obstacle: Obstacle
+    task: str
+    space: TaskSpace
     cap_s: float
     trials: Trials
 
@@ -42,13 +45,13 @@ def evaluate_network(
     path: Path,
     config: RolloutConfig,
     *,
-    obstacle: str | None = None,
-    sizes_mm: Sequence[float] = (),
+    task: str | None = None,
+    variants: Sequence[float] = (),
     changes: Mapping[str, Any] = NO_CHANGES,
     seed: int,
     monitor: Monitor,
 ) -> Evaluation:
-    """Roll a network out from the fixed start pose (III-D).
+    """Roll a network out as trials are (III-D).
 
     Parameters
     ----------
@@ -56,10 +59,11 @@ def evaluate_network(
         A ``network.safetensors``.
     config
         Repetitions and kind of action.
-    obstacle
-        Obstacle of a network that does not tell what it was trained on.
-    sizes_mm
-        Sizes in mm; all of the paper's variants if none are given.
+    task
+        Family of tasks of a network that does not tell what it was trained on.
+    variants
+        Tasks in the parameters' units, with several parameters one value for each in turn; all
+        variants of the family if none are given.
     changes
         Overrides of the configuration, by dotted keys.
     seed
@@ -70,32 +74,41 @@ def evaluate_network(
     Raises
     ------
     ConfigError
-        If the obstacle is not known.
+        If the task is not known.
     InputError
-        If the file is no network, does not fit the obstacle, or a size cannot be built.
+        If the file is no network, does not fit the environment, or a variant cannot be built.
     Interrupted
         If the monitor asked to stop.
     """
     run, _ = home(path)
     network = Snapshot.load(path)
-    family, env_config = course(str(path), run=run, network=network, name=obstacle, changes=changes)
-    tasks = obstacle_family(family.name, env_config)
-    variants = _variants(family, sizes_mm) if sizes_mm else tasks.variants
-    env = tasks.trial_env(len(variants) * config.repetitions)
+    chosen = config_of(str(path), run=run, network=network, task=task, changes=changes)
+    family, settings = chosen.family, chosen.env
+    space = family.space(settings)
+    tried = _within(space, variants) if variants else space.variants
+    env = family.trial_env(settings, len(tried) * config.repetitions)
     try:
         actor = Actor(network, env.single_observation_space, env.single_action_space)
-        trials = roll_out(env, actor, variants, config, network=0, seed=seed, monitor=monitor)
+        trials = roll_out(env, actor, tried, config, network=0, seed=seed, monitor=monitor)
     finally:
         env.close()
-    return Evaluation(obstacle=family, cap_s=env_config.episode_s, trials=trials)
+    return Evaluation(task=family.name, space=space, cap_s=family.cap_s(settings), trials=trials)
 
 
-def _variants(obstacle: Obstacle, sizes_mm: Sequence[float]) -> FloatArray:
-    sizes = np.asarray(sizes_mm, dtype=np.float64)
-    outside = ~((sizes >= obstacle.lower) & (sizes <= obstacle.upper))
-    if outside.any():
+def _within(space: TaskSpace, values: Sequence[float]) -> FloatArray:
+    """Return chosen tasks, each once, if they lie within the range."""
+    count = len(space.parameters)
+    if len(values) % count:
         raise InputError(
-            f"{sizes[outside][0]:g} mm is no size of the {obstacle.name}.",
-            remedy=f"Give sizes from {obstacle.lower:g} to {obstacle.upper:g} mm.",
+            f"A variant has one value for each of {', '.join(space.parameters)}.",
+            remedy=f"Give a multiple of {count} values.",
         )
-    return np.unique(sizes)[:, None]
+    tasks = np.asarray(values, dtype=np.float64).reshape(-1, count)
+    outside = ~((tasks >= space.lower) & (tasks <= space.upper))
+    if outside.any():
+        task, parameter = np.argwhere(outside)[0]
+        raise InputError(
+            f"{tasks[task, parameter]:g} is no {space.parameters[parameter]} of this task.",
+            remedy=f"Give values from {space.lower[parameter]:g} to {space.upper[parameter]:g}.",
+        )
+    return np.unique(tasks, axis=0)

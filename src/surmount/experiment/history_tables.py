@@ -6,7 +6,7 @@ from pathlib import Path
 
 import polars as pl
 
-from surmount.learn import History
+from surmount.learn.history import History
 from surmount.learn.training_episodes import EPISODES
 
 HISTORY = "history.parquet"

@@ -8,7 +8,7 @@ import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.learn.training_episodes import TrainingEpisodes
-from surmount.stats import StepsToThreshold, steps_to_threshold
+from surmount.stats.thresholds import StepsToThreshold, steps_to_threshold
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.regions import Regions
 

@@ -1,19 +1,19 @@
-"""Where a file comes from: its run, and the obstacle and configuration that it belongs to."""
+"""Where a file comes from: its run, and the configuration that it belongs to."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from surmount.core.configuration import from_record, override
-from surmount.core.errors import ConfigError, InputError
-from surmount.experiment.config import ExperimentConfig
+from surmount.core.configuration import override, to_record
+from surmount.core.errors import ConfigError, InputError, SurmountError
+from surmount.envs.registry import find_family
+from surmount.experiment.config import ExperimentConfig, config_from_record
 from surmount.experiment.presets import preset
-from surmount.learn import TRAINED_ON, Snapshot
-from surmount.rstar.course import OBSTACLES, EnvConfig, Obstacle, find_obstacle
+from surmount.learn.snapshot import TRAINED_ON, Snapshot
+from surmount.workflow.earlier import up_to_date
 from surmount.workflow.run_folder import RunFolder, open_run
 from surmount.workflow.run_layout import RUN
 
@@ -40,18 +40,19 @@ def home(path: Path) -> tuple[RunFolder | None, str]:
     return None, ""
 
 
-def course(
+def config_of(
     source: str,
     *,
     run: RunFolder | None = None,
     network: Snapshot | None = None,
-    name: str | None = None,
+    task: str | None = None,
     changes: Mapping[str, Any] = NO_CHANGES,
-) -> tuple[Obstacle, EnvConfig]:
-    """Return the obstacle and the configuration that a file belongs to.
+) -> ExperimentConfig:
+    """Return the configuration that a file belongs to.
 
-    A run's file takes both from the run, a network from what it was trained on (it may be tried on
-    another obstacle); everything else takes the obstacle that the user names and the defaults.
+    A run's file takes it from the run, a network from what it was trained on (it may be tried on
+    another task of the same settings); everything else takes the task that the user names and the
+    defaults.
 
     Parameters
     ----------
@@ -59,56 +60,57 @@ def course(
         How errors name the file.
     run, network
         The run that it lies in; the network that it is.
-    name
-        Obstacle that the user names.
+    task
+        Family of tasks that the user names.
     changes
         The user's overrides, by dotted keys of :class:`ExperimentConfig`.
 
     Raises
     ------
     ConfigError
-        If no obstacle is known, or the one named is not the run's.
+        If no task is known, or the one named is not the run's.
     InputError
         If a network tells nothing usable of what it was trained on.
     """
+    named = None if task is None else find_family(task).name
     base = _known(source, run, network)
-    if base is not None and name not in (None, base.obstacle):
+    if base is not None and named not in (None, base.task):
         if run is not None:
             raise ConfigError(
-                f"{source} belongs to a run on {base.obstacle}, not on {name}.",
-                remedy="Leave the obstacle out.",
+                f"{source} belongs to a run on {base.task}, not on {named}.",
+                remedy="Leave the task out.",
             )
-        base = replace(base, obstacle=name)
+        base = config_from_record(to_record(base) | {"task": named, "fingerprint": ""})
     if base is None:
-        name = name or changes.get("obstacle")
-        if name is None:
+        named = named or changes.get("task")
+        if named is None:
             raise ConfigError(
-                f"{source} lies in no run and does not say which obstacle it belongs to.",
-                remedy=f"Give --obstacle {', '.join(OBSTACLES)}.",
+                f"{source} lies in no run and does not say which task it belongs to.",
+                remedy="Give --task, such as one of those that `surmount tasks` lists.",
             )
-        base = preset(name, "paper")
+        base = preset(named, "paper")
     chosen = override(base, changes)
-    if chosen.obstacle != base.obstacle:
+    if chosen.task != base.task:
         raise ConfigError(
-            f"The configuration is for {chosen.obstacle}, not for {base.obstacle}.",
-            remedy="Give the configuration of this obstacle, or leave the obstacle out.",
+            f"The configuration is for {chosen.task}, not for {base.task}.",
+            remedy="Give the configuration of this task, or leave the task out.",
         )
-    return find_obstacle(chosen.obstacle), chosen.env
+    return chosen
 
 
 def _known(source: str, run: RunFolder | None, network: Snapshot | None) -> ExperimentConfig | None:
     if run is not None:
-        return from_record(ExperimentConfig, run.config)
+        return config_from_record(run.config)
     trained_on = None if network is None else network.record.get(TRAINED_ON)
     if trained_on is None:
         return None
     try:
-        record = {"scale": "paper", "obstacle": trained_on["obstacle"], "env": trained_on["env"]}
-        known = from_record(ExperimentConfig, record)
-        find_obstacle(known.obstacle)
-    except (ConfigError, KeyError, TypeError) as error:
+        trained_on = up_to_date(trained_on)
+        return config_from_record(
+            {"preset": "paper", "task": trained_on["task"], "env": trained_on["env"]}
+        )
+    except (SurmountError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"{source} does not say in this version's terms what it was trained on ({error}).",
             remedy="Use the version of Surmount that wrote it.",
         ) from error
-    return known

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from surmount.analysis import AnalysisConfig
+from surmount.analysis.configuration import AnalysisConfig
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
-from surmount.envs import is_own, source_hash
-from surmount.experiment.config import ExperimentConfig
-from surmount.learn import LearnerConfig, RolloutConfig
-from surmount.rstar.course import OBSTACLES
-from surmount.teachers import AdvancementConfig
+from surmount.envs.registry import find_family
+from surmount.experiment.config import ExperimentConfig, config_class
+from surmount.learn.config import LearnerConfig
+from surmount.learn.rollouts import RolloutConfig
+from surmount.teachers.advancement import AdvancementConfig
 
-SCALES = ("smoke", "paper")
-INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_000_000}
-"""Learning steps of the initiation (paper III-C)."""
+PRESETS = ("smoke", "paper")
 SMOKE_PERCENT = 20
 """Share of the paper's: enough to learn to drive, not to master the obstacle. Of 15, 20 and 30 the
 first at which the demo's analysis finds more than one group, whatever the arms then did."""
 
-OWN_INITIAL_STEPS = 500_000
-"""For an environment of one's own: as the paper's for two of its three obstacles (assumed)."""
 
-
-def preset(obstacle: str, scale: str) -> ExperimentConfig:
-    """Return the configuration of an obstacle at a scale.
+def preset(task: str, name: str) -> ExperimentConfig:
+    """Return the configuration of a family of tasks at a scale.
 
     ``paper`` follows the paper's section III, with five networks instead of two. ``smoke`` runs
     every stage on a fraction of the steps and trials, to show the method at work and to test it;
@@ -34,26 +27,19 @@ def preset(obstacle: str, scale: str) -> ExperimentConfig:
     Raises
     ------
     ConfigError
-        If the obstacle, the function or the scale is unknown.
+        If the task or the preset is unknown.
     """
-    if scale not in SCALES:
-        raise ConfigError(f"Unknown preset `{scale}`.", remedy=nearest(scale, [*SCALES]))
-    if is_own(obstacle):
-        sha256 = source_hash(obstacle)
-        return replace(_preset(obstacle, scale, OWN_INITIAL_STEPS), own_sha256=sha256)
-    if obstacle not in OBSTACLES:
-        raise ConfigError(f"Unknown obstacle `{obstacle}`.", remedy=nearest(obstacle, [*OBSTACLES]))
-    return _preset(obstacle, scale, INITIAL_STEPS[obstacle])
-
-
-def _preset(obstacle: str, scale: str, initial_steps: int) -> ExperimentConfig:
-    if scale == "paper":
-        return ExperimentConfig(obstacle=obstacle, scale=scale, initial_steps=initial_steps)
-    return ExperimentConfig(
-        obstacle=obstacle,
-        scale=scale,
+    if name not in PRESETS:
+        raise ConfigError(f"Unknown preset `{name}`.", remedy=nearest(name, [*PRESETS]))
+    family = find_family(task)
+    experiment = config_class(family.settings)
+    if name == "paper":
+        return experiment(task=family.name, preset=name, initial_steps=family.initial_steps)
+    return experiment(
+        task=family.name,
+        preset=name,
         networks=2,
-        initial_steps=SMOKE_PERCENT * initial_steps // 100,
+        initial_steps=SMOKE_PERCENT * family.initial_steps // 100,
         checkpoint_steps=20_000,
         learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
         trials=RolloutConfig(repetitions=8),

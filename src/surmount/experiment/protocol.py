@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from surmount.core.configuration import Record, to_record
-from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.statistics import compare
-from surmount.experiment.task_family import task_family, task_part
+from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
 from surmount.workflow.graph import Stage, StageFunction
 from surmount.workflow.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
@@ -64,7 +63,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         config,
         STATISTICS,
         compare,
-        {"cap_s": task_family(config.obstacle, config.env, config.own_sha256).cap_s},
+        {"cap_s": config.family.cap_s(config.env)},
         analysis=(ANALYSIS,),
         **{kind: _all_trials(kind, config) for kind in TRAININGS},
         **{
@@ -100,7 +99,7 @@ def _stage(
         function=function,
         version=version,
         config=part,
-        seed=derive_seed(config.seed, config.obstacle, name),
+        seed=stage_seed(config, name),
         inputs=inputs,
     )
 

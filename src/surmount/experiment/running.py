@@ -6,12 +6,13 @@ import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from surmount.core.configuration import differences, from_record, nearest, to_record
+from surmount.core.configuration import differences, nearest, to_record
 from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record, write_record
-from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.config import ExperimentConfig, config_from_record
 from surmount.experiment.protocol import protocol
 from surmount.workflow.artefact_store import ArtefactStore
+from surmount.workflow.earlier import up_to_date
 from surmount.workflow.executor import Executor, Listener
 from surmount.workflow.graph import Stage
 from surmount.workflow.in_process import InProcessExecutor
@@ -36,7 +37,7 @@ def load_config(root: Path) -> ExperimentConfig:
             f"There is no experiment in {root}.",
             remedy="Give the --out folder of a run, or begin one without --resume.",
         )
-    return from_record(ExperimentConfig, read_record(root / RUN)["config"])
+    return config_from_record(up_to_date(read_record(root / RUN)["config"]))
 
 
 def begin(root: Path, config: ExperimentConfig) -> None:
@@ -175,9 +176,9 @@ def run(
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:
-    stored = read_record(root / RUN).get("config", {})
+    stored = up_to_date(read_record(root / RUN).get("config", {}))
     # A key that a folder lacks is from after its time, and had its default.
-    defaults = {"own_sha256": "", "rollout_shards": 1}
+    defaults = {"fingerprint": config.fingerprint, "rollout_shards": 1}
     differing = differences(defaults | stored, to_record(config))
     if differing:
         key, (there, here) = next(iter(differing.items()))

@@ -18,28 +18,24 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from surmount.analysis import AnalysisConfig, determine_curriculum
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.determination import determine_curriculum
 from surmount.core.configuration import from_record
 from surmount.core.records import read_record, write_record
 from surmount.experiment.history_tables import write_history
-from surmount.experiment.task_family import TaskFamily, task_family
-from surmount.learn import (
-    TRAINED_ON,
-    Actor,
-    Checkpointing,
-    LearnerConfig,
-    RolloutConfig,
-    Snapshot,
-    Trainer,
-    Training,
-    roll_out,
-)
+from surmount.experiment.task_part import family_and_settings
+from surmount.learn.config import LearnerConfig
+from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.snapshot import TRAINED_ON, Snapshot
+from surmount.learn.trainer import Checkpointing, Trainer, Training
 from surmount.learn.training_episodes import TRAINING
-from surmount.rstar.course import EnvConfig
 from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.regions import Regions
-from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.teacher import Teacher
+from surmount.teachers.uniform import UniformTeacher
 from surmount.trials.table import read_trials, write_trials
 from surmount.trials.trials import Trials
 from surmount.workflow.graph import StageContext
@@ -56,25 +52,24 @@ FIRST = "first_repetition"
 
 def initiate(context: StageContext) -> None:
     """Train a new network briefly on uniform variants (II-A)."""
-    family = family_of(context)
-    teacher = UniformTeacher(
-        family.whole_range, int(context.config["initial_steps"]), label="initiation"
-    )
-    write_training(context, train(context, family, teacher, start=None))
+    steps = int(context.config["initial_steps"])
+    teacher = UniformTeacher(_whole_range(context), steps, label="initiation")
+    write_training(context, train(context, teacher, start=None))
 
 
 def run_trials(context: StageContext) -> None:
     """Roll a network out on every variant and log its behaviour (II-A, III-D)."""
-    family = family_of(context)
+    family, settings = family_and_settings(context.config)
+    variants = family.space(settings).variants
     config = from_record(RolloutConfig, context.config["trials"])
     network = Snapshot.load(only(context, "network").path(NETWORK))
-    env = family.trial_env(len(family.variants) * config.repetitions)
+    env = family.trial_env(settings, len(variants) * config.repetitions)
     try:
         actor = Actor(network, env.single_observation_space, env.single_action_space)
         trials = roll_out(
             env,
             actor,
-            family.variants,
+            variants,
             config,
             network=int(context.config["network"]),
             seed=context.seed,
@@ -113,19 +108,16 @@ def learn_levels(context: StageContext) -> None:
         from_record(AdvancementConfig, context.config["advancement"]),
     )
     start = Snapshot.load(only(context, "network").path(NETWORK))
-    training = train(
-        context, family_of(context), teacher, start=start, regions=Regions.of(curriculum)
-    )
+    training = train(context, teacher, start=start, regions=Regions.of(curriculum))
     write_training(context, training)
 
 
 def learn_control(context: StageContext) -> None:
     """Train the same initial network on for as many steps, on uniform variants (III-C)."""
-    family = family_of(context)
     steps = int(read_record(only(context, "curriculum").path(TRAINING))["steps"])
-    teacher = UniformTeacher(family.whole_range, steps, label="control")
+    teacher = UniformTeacher(_whole_range(context), steps, label="control")
     start = Snapshot.load(only(context, "network").path(NETWORK))
-    write_training(context, train(context, family, teacher, start=start))
+    write_training(context, train(context, teacher, start=start))
 
 
 def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
@@ -133,13 +125,9 @@ def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
     return Trials.concatenate([read_trials(artefact.path(TRIALS)) for artefact in artefacts])
 
 
-def family_of(context: StageContext) -> TaskFamily:
-    """Return the task family that a stage is about."""
-    return task_family(
-        context.config["obstacle"],
-        from_record(EnvConfig, context.config["env"]),
-        context.config.get("own_sha256", ""),
-    )
+def _whole_range(context: StageContext) -> TaskDistribution:
+    family, settings = family_and_settings(context.config)
+    return family.space(settings).whole_range
 
 
 def only(context: StageContext, role: str) -> Artefact:
@@ -150,15 +138,15 @@ def only(context: StageContext, role: str) -> Artefact:
 
 def train(
     context: StageContext,
-    family: TaskFamily,
     teacher: Teacher,
     *,
     start: Snapshot | None,
     regions: Regions | None = None,
 ) -> Training:
     """Train under a teacher, going on from the stage's checkpoint if there is one."""
+    family, settings = family_and_settings(context.config)
     config = from_record(LearnerConfig, context.config["learner"])
-    env = family.training_env(config.num_envs)
+    env = family.training_env(settings, config.num_envs)
     try:
         trainer = Trainer(
             env,
@@ -183,7 +171,7 @@ def train(
 def write_training(context: StageContext, training: Training) -> None:
     """Write the network, its history and a record of the training."""
     history = training.history
-    trained_on = {key: context.config[key] for key in ("obstacle", "env")}
+    trained_on = {key: context.config[key] for key in ("task", "env")}
     network = training.network
     network = replace(network, record={**network.record, TRAINED_ON: trained_on})
     network.save(context.output / NETWORK)

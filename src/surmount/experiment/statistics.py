@@ -11,18 +11,17 @@ from surmount.core.records import write_record
 from surmount.experiment.learning_speed import steps_to_95
 from surmount.experiment.stages import CURRICULUM, pooled_trials
 from surmount.learn.training_episodes import read_episodes
-from surmount.stats import (
-    Bootstrap,
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.differences import network_difference
+from surmount.stats.evidence import (
     bootstrap_interval,
     difference_interval,
-    kaplan_meier,
-    log_rank,
-    mixed_model,
-    network_difference,
     probability_of_improvement,
-    proportion_intervals,
-    proportion_test,
 )
+from surmount.stats.logrank import log_rank
+from surmount.stats.mixed import mixed_model
+from surmount.stats.proportions import proportion_intervals, proportion_test
+from surmount.stats.survival import kaplan_meier
 from surmount.tasks.curriculum import Curriculum
 from surmount.trials.trials import Trials, success_rates
 from surmount.workflow.graph import StageContext

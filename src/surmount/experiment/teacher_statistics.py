@@ -6,22 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.records import write_record
 from surmount.experiment.learning_speed import WINDOW, steps_to_95
 from surmount.experiment.stages import ANALYSIS, pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.learn.training_episodes import TrainingEpisodes, read_episodes
-from surmount.stats import (
-    Bootstrap,
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.differences import network_difference
+from surmount.stats.evidence import (
     bootstrap_interval,
     difference_interval,
-    network_difference,
     probability_of_improvement,
 )
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum
-from surmount.teachers import TaskCells, find_teacher
+from surmount.teachers.catalogue import find_teacher
 from surmount.workflow.graph import StageContext
 from surmount.workflow.run_layout import SCHEMA
 from surmount.workflow.store import Artefact

@@ -11,27 +11,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from surmount.analysis import Analysis, AnalysisConfig
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.result import Analysis
 from surmount.core.configuration import from_record, to_record
 from surmount.core.records import read_record
-from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.protocol import protocol
-from surmount.experiment.task_family import task_part
+from surmount.experiment.task_part import family_and_settings, stage_seed, task_part
 from surmount.experiment.teacher_statistics import compare_teachers
 from surmount.experiment.trial_stages import trial_stages
-from surmount.learn import Snapshot
+from surmount.learn.snapshot import Snapshot
 from surmount.tasks.regions import Regions
 from surmount.tasks.space import harder_by_success
-from surmount.teachers import (
-    AdvancementConfig,
-    TeacherContext,
-    TeachersConfig,
-    UniformTeacher,
-    find_teacher,
-    make_teacher,
-)
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.catalogue import TeacherContext, TeachersConfig, find_teacher, make_teacher
+from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.graph import Stage, StageContext
 from surmount.workflow.run_layout import ANALYSIS, TRIALS, per_network
 
@@ -94,7 +89,7 @@ def comparison_graph(
                 "teachers": list(names),
                 "settings": {name: _settings(teaching, name) for name in names},
             },
-            seed=derive_seed(config.seed, config.obstacle, COMPARISON),
+            seed=stage_seed(config, COMPARISON),
             inputs={"analysis": (ANALYSIS,), **roles},
         )
     )
@@ -117,7 +112,7 @@ def _arm(
         name=name,
         function=learn_by_teacher,
         config=part,
-        seed=derive_seed(config.seed, config.obstacle, name),
+        seed=stage_seed(config, name),
         inputs={
             "network": (per_network("initiation", network),),
             "analysis": (ANALYSIS,),
@@ -138,7 +133,8 @@ def learn_by_teacher(context: StageContext) -> None:
 
     A curriculum without levels took no steps: then no teacher teaches anything.
     """
-    family = stages.family_of(context)
+    family, settings = family_and_settings(context.config)
+    space = family.space(settings)
     analysis = Analysis.load(stages.only(context, "analysis").path(stages.ANALYSIS))
     steps = int(read_record(stages.only(context, "curriculum").path(stages.TRAINING))["steps"])
     config: Mapping[str, Any] = context.config
@@ -146,8 +142,8 @@ def learn_by_teacher(context: StageContext) -> None:
         curriculum=analysis.curriculum,
         variants=analysis.variants,
         success_rate=analysis.success_rate,
-        whole_range=family.whole_range,
-        harder=family.harder or harder_by_success(analysis.variants, analysis.success_rate),
+        whole_range=space.whole_range,
+        harder=space.harder or harder_by_success(analysis.variants, analysis.success_rate),
         total_steps=steps,
         seed=context.seed,
         environments=int(config["learner"]["num_envs"]),
@@ -158,7 +154,6 @@ def learn_by_teacher(context: StageContext) -> None:
     start = Snapshot.load(stages.only(context, "network").path(stages.NETWORK))
     training = stages.train(
         context,
-        family,
         make_teacher(str(config["teacher"]), teacher_context)
         if steps
         else UniformTeacher(teacher_context.whole_range, 0),

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from surmount.core.configuration import Record
-from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.stages import FIRST
-from surmount.experiment.task_family import task_part
+from surmount.experiment.task_part import stage_seed, task_part
 from surmount.workflow.graph import Stage
 
 
@@ -39,7 +38,7 @@ def trial_stages(
                 name=name,
                 function=stages.run_trials,
                 config=part,
-                seed=derive_seed(config.seed, config.obstacle, name),
+                seed=stage_seed(config, name),
                 inputs={"network": (trained,)},
             )
         ]
@@ -53,7 +52,7 @@ def trial_stages(
                 name=shard,
                 function=stages.run_trials,
                 config=part | {"trials": trials | {"repetitions": count}, FIRST: first},
-                seed=derive_seed(config.seed, config.obstacle, shard),
+                seed=stage_seed(config, shard),
                 inputs={"network": (trained,)},
             )
         )
@@ -61,7 +60,7 @@ def trial_stages(
     whole = Stage(
         name=name,
         function=stages.join_trials,
-        seed=derive_seed(config.seed, config.obstacle, name),
+        seed=stage_seed(config, name),
         inputs={"shards": tuple(shard.name for shard in shards)},
     )
     return [*shards, whole]

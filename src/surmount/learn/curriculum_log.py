@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from stable_baselines3.common.logger import Logger
 
-from surmount.analysis.cells import cells
+from surmount.tasks.cells import cells
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.regions import Regions, success_by_region
 from surmount.tasks.space import TaskSpace

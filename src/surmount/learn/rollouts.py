@@ -13,8 +13,8 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
+from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn.mlp import ACTIVATIONS
-from surmount.learn.recorder import TaskVectorEnv
 from surmount.learn.snapshot import (
     Snapshot,
     check_architecture,
@@ -162,7 +162,7 @@ def roll_out(
         )
     rng = np.random.default_rng(seed)
     actions_shape = (trials, *(env.single_action_space.shape or ()))
-    observations, infos = env.reset(seed=seed, options={"variant": variant, "start": "fixed"})
+    observations, infos = env.reset(seed=seed, options={"variant": variant})
     active = np.ones(trials, dtype=np.bool_)
     success = np.zeros(trials, dtype=np.bool_)
     rows: list[FloatArray] = [infos["features"].copy()]

@@ -12,6 +12,7 @@ import numpy as np
 from stable_baselines3.common.utils import set_random_seed
 
 from surmount.core.errors import InputError, LearningError
+from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn import snapshot
 from surmount.learn.config import LearnerConfig
 from surmount.learn.curriculum_log import log_curriculum
@@ -20,7 +21,7 @@ from surmount.learn.history import History
 from surmount.learn.loggers import training_logger
 from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO
-from surmount.learn.recorder import Recorder, TaskVectorEnv
+from surmount.learn.recorder import Recorder
 from surmount.learn.snapshot import Snapshot, Tensors
 from surmount.tasks.regions import Regions
 from surmount.teachers.teacher import LevelTest, RolloutOutcome, Teacher

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from surmount.analysis import Analysis, describe_trust
 from surmount.analysis.explanation import describe_rule, link_table
+from surmount.analysis.result import Analysis
+from surmount.analysis.trust import describe_trust
 from surmount.report.document.parts import Column, Document, Fold, Paragraph, Section, Table
 from surmount.report.document.text import axis_label, integer, listed
 from surmount.report.sections.grouping import grouping_section

@@ -8,16 +8,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from surmount.stats import (
-    Interaction,
-    KaplanMeier,
-    LogRank,
-    MethodContrast,
-    NetworkDifference,
-    ProportionTest,
-    SeedInterval,
-    StepsToThreshold,
-)
+from surmount.stats.differences import NetworkDifference
+from surmount.stats.evidence import SeedInterval
+from surmount.stats.logrank import LogRank
+from surmount.stats.mixed import Interaction, MethodContrast
+from surmount.stats.proportions import ProportionTest
+from surmount.stats.survival import KaplanMeier
+from surmount.stats.thresholds import StepsToThreshold
 from surmount.workflow.run_folder import Record
 from surmount.workflow.run_layout import ARMS
 

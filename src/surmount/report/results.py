@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 import polars as pl
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import InputError
 from surmount.learn.training_episodes import EPISODES, TrainingEpisodes, read_episodes

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from surmount.report.comparison import GroupComparison
 from surmount.report.document.text import p_value, significant
-from surmount.stats import LogRank, MethodContrast, ProportionTest
+from surmount.stats.logrank import LogRank
+from surmount.stats.mixed import MethodContrast
+from surmount.stats.proportions import ProportionTest
 from surmount.workflow.run_layout import ARMS
 
 NOT_TESTABLE = "not testable"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.records import write_atomically
 from surmount.report.analysis_page import document_of_analysis
 from surmount.report.contents import document_of
@@ -15,7 +15,6 @@ from surmount.report.document.page import page
 from surmount.report.document.parts import Document
 from surmount.report.figures.stills import draw, write_still
 from surmount.report.results import read_run
-from surmount.studies.paper.overview import overview_of
 from surmount.workflow.store import output_errors, refuse_links
 
 FIGURES = "figures"
@@ -26,11 +25,6 @@ def write_run_report(root: Path) -> Path:
     with output_errors(root):
         refuse_links(root)
     return write_document(document_of(read_run(root)), root)
-
-
-def write_overview_page(roots: Sequence[Path], out: Path) -> Path:
-    """Write the page of several runs; see :func:`surmount.report.write_overview`."""
-    return write_document(overview_of([read_run(root) for root in roots]), out)
 
 
 def write_analysis_page(record: Mapping[str, Any], root: Path) -> Path:

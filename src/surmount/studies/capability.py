@@ -20,12 +20,14 @@ import numpy as np
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record, record_hash, write_record
 from surmount.core.seeds import derive_seed
-from surmount.rstar.course import EnvConfig, find_obstacle
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.course.simulation import Simulation
 from surmount.rstar.manoeuvres.manoeuvre import Manoeuvre
 from surmount.rstar.manoeuvres.search import SearchConfig, search, try_out
 from surmount.rstar.manoeuvres.templates import templates
-from surmount.rstar.robot import Gear, RobotConfig
+from surmount.rstar.robot.config import RobotConfig
+from surmount.rstar.robot.kinematics import Gear
 
 KIND = "capability map"
 SCHEMA = 2

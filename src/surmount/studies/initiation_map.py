@@ -22,8 +22,8 @@ from surmount.core.errors import ConfigError, InputError
 from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.presets import preset
-from surmount.experiment.task_family import task_part
-from surmount.rstar.course import OBSTACLES
+from surmount.experiment.task_part import task_part
+from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.studies.paper.results import PAPER_RESULTS
 from surmount.trials.table import read_trials
 from surmount.workflow.graph import Stage

@@ -25,8 +25,7 @@ from surmount.experiment.presets import preset
 from surmount.experiment.protocol import protocol
 from surmount.experiment.stages import CURRICULUM, pooled_trials
 from surmount.experiment.statistics import success_matrix
-from surmount.experiment.task_family import task_family
-from surmount.stats import network_difference
+from surmount.stats.differences import network_difference
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_layout import ANALYSIS, ARMS, TRAININGS, TRIALS, per_network
@@ -146,7 +145,7 @@ def read_regime_map(path: Path) -> RegimeMap:
         for row, column in itertools.product(rows.values, columns.values)
     )
     config = cells[0].config
-    sizes = task_family(config.obstacle, config.env, config.own_sha256).variants[:, 0]
+    sizes = config.family.space(config.env).variants[:, 0]
     if not _hard((low, high), sizes).any():
         raise InputError(
             f"No variant lies within the hard ones, {low:g} to {high:g}.",

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 from scipy.cluster import hierarchy
 
-from surmount.analysis.cells import group_boxes
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.dendrogram import build_dendrogram, relabelled
+from surmount.analysis.group_boxes import group_boxes
 from surmount.analysis.groups import group_names, rank_groups
 from surmount.analysis.levels import build_levels
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.seeds import generator
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum, Group, Level
-from surmount.teachers.cells import TaskCells
 
 _DECIMALS = 9
 """Of distances in units of the range: what differs by rounding alone is equal."""

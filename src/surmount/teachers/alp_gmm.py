@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from surmount.analysis import AnalysisConfig, fit_mixture
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.fitting import fit_mixture
 from surmount.analysis.mixture import Mixture
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError

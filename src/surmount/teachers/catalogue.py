@@ -10,13 +10,13 @@ from surmount.core.arrays import FloatArray
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import derive_seed
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers import ablations
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
 from surmount.teachers.budget import BudgetedLevels
-from surmount.teachers.cells import TaskCells
 from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.learning_progress import LearningProgressConfig, LearningProgressTeacher
 from surmount.teachers.levels import LevelTeacher

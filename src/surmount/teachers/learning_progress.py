@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
-from surmount.teachers.cells import TaskCells
 from surmount.teachers.shares import require_shares, with_uniform_share
 
 

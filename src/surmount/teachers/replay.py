@@ -10,9 +10,9 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
+from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
-from surmount.teachers.cells import TaskCells
 
 
 @dataclass(frozen=True, kw_only=True)

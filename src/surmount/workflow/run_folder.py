@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from surmount.core.errors import InputError, IntegrityError, OutputError
 from surmount.core.records import read_record
+from surmount.workflow.earlier import up_to_date
 from surmount.workflow.run_layout import (
     INDEX,
     MOST_NETWORKS,
@@ -63,14 +64,14 @@ class RunFolder:
         return int(self.config["networks"])
 
     @property
-    def obstacle(self) -> str:
-        """Name of the obstacle."""
-        return str(self.config["obstacle"])
+    def task(self) -> str:
+        """Name of the family of tasks."""
+        return str(self.config["task"])
 
     @property
-    def scale(self) -> str:
+    def preset(self) -> str:
         """Name of the preset the configuration began as."""
-        return str(self.config["scale"])
+        return str(self.config["preset"])
 
     @property
     def protocol(self) -> dict[str, Artefact]:
@@ -117,7 +118,9 @@ def open_run(root: Path) -> RunFolder:
         )
     run = read_run_record(root / RUN)
     config = run.get("config")
-    if not isinstance(config, dict) or not {"obstacle", "scale", "networks"} <= config.keys():
+    if isinstance(config, dict):
+        config = up_to_date(cast(Record, config))
+    if not isinstance(config, dict) or not {"task", "preset", "networks"} <= config.keys():
         raise InputError(
             f"{root / RUN} holds no configuration of a run.",
             remedy="Give the --out folder of `surmount reproduce`.",

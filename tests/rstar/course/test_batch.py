@@ -9,9 +9,12 @@ from gymnasium.vector import AutoresetMode
 from scipy import stats
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.rstar.course import OBSTACLES, EnvConfig, ObstacleEnv, ObstacleVectorEnv
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.infos import INFO_KEYS
-from surmount.rstar.robot import RobotConfig
+from surmount.rstar.course.obstacles import OBSTACLES
+from surmount.rstar.course.single import ObstacleEnv
+from surmount.rstar.robot.config import RobotConfig
 from surmount.tasks.distribution import TaskDistribution
 
 NAMES = tuple(OBSTACLES)

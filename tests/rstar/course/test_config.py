@@ -8,8 +8,8 @@ from surmount.core.errors import ConfigError
 from surmount.rstar.course import config as envs_config
 from surmount.rstar.course import randomisation
 from surmount.rstar.course.config import CourseConfig, EnvConfig, RewardConfig, StartConfig
-from surmount.rstar.robot import RobotConfig
 from surmount.rstar.robot import config as robot_config
+from surmount.rstar.robot.config import RobotConfig
 
 
 def test_default_decisions_and_cap_are_whole_ticks_and_steps():

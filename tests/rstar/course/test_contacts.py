@@ -4,9 +4,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from surmount.rstar.course import OBSTACLES, EnvConfig
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.course.scene import build_model
-from surmount.rstar.robot import RobotConfig
+from surmount.rstar.robot.config import RobotConfig
 
 
 def test_the_contact_of_a_tyre_in_an_edge_has_the_depth_of_the_overlap():

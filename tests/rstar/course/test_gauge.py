@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from surmount.rstar.course import EnvConfig, ObstacleVectorEnv
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.simulation import Simulation
-from surmount.rstar.robot import RobotConfig
+from surmount.rstar.robot.config import RobotConfig
 
 
 @pytest.mark.parametrize(

@@ -7,16 +7,12 @@ from gymnasium.vector import AutoresetMode
 from scipy import stats
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.rstar.course import (
-    OBSTACLES,
-    EnvConfig,
-    ObstacleEnv,
-    ObstacleVectorEnv,
-    RandomisationConfig,
-    find_obstacle,
-)
-from surmount.rstar.course.randomisation import FACTORS, draw
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES, find_obstacle
+from surmount.rstar.course.randomisation import FACTORS, RandomisationConfig, draw
 from surmount.rstar.course.scene import build_model
+from surmount.rstar.course.single import ObstacleEnv
 from surmount.rstar.robot import constants as c
 
 EVERYTHING = RandomisationConfig(

@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from surmount.rstar.course import OBSTACLES, EnvConfig, ObstacleEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.course.rendering import has_display
-from surmount.rstar.robot import RobotConfig
+from surmount.rstar.course.single import ObstacleEnv
+from surmount.rstar.robot.config import RobotConfig
 
 IDS = [obstacle.gym_id for obstacle in OBSTACLES.values()]
 FIXED = {"start": "fixed"}

@@ -3,8 +3,10 @@ import pytest
 from gymnasium.vector import AutoresetMode
 from soundness import Soundness
 
-from surmount.rstar.course import OBSTACLES, EnvConfig, ObstacleVectorEnv
-from surmount.rstar.robot import RobotConfig
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES
+from surmount.rstar.robot.config import RobotConfig
 
 TICK = EnvConfig(decision_interval_s=RobotConfig().physics_tick_s)
 """Decisions of one tick: what the cheap looks see is the state that was planted."""

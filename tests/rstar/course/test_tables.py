@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from environment_tables import action_table, info_table, observation_table
 
-from surmount.rstar.course import OBSTACLES, ObstacleVectorEnv
 from surmount.rstar.course.actions import ACTION_TERMS
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.obstacles import OBSTACLES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "environments.md").read_text(encoding="utf-8")
 

@@ -9,7 +9,8 @@ import pytest
 from graphics import blue, needs_graphics, orange
 
 from surmount.core.errors import ConfigError
-from surmount.rstar.course import EnvConfig, find_obstacle
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.course.rendering import FrameRenderer
 from surmount.rstar.course.scene import CAMERAS, COURSE_CAMERA
 from surmount.rstar.film.film import (

@@ -9,12 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small import run_first_stages, small_config
+from surmount.experiment.task_family import obstacle_family
 
 from surmount.core.errors import ConfigError, InputError, IntegrityError, OutputError
-from surmount.experiment import begin
-from surmount.experiment.task_family import obstacle_family
-from surmount.learn import Actor, RolloutConfig, Snapshot, roll_out
-from surmount.rstar.course import EnvConfig, find_obstacle
+from surmount.experiment.running import begin
+from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.snapshot import Snapshot
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.film.footage import Wanted, motions
 from surmount.rstar.film.logged_trials import logged_motion, run_log
 from surmount.rstar.film.replay import CAPTION

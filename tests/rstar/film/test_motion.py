@@ -8,8 +8,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.errors import InputError
-from surmount.rstar.course import EnvConfig, ObstacleVectorEnv, find_obstacle
-from surmount.rstar.course.obstacles import block_positions
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import block_positions, find_obstacle
 from surmount.rstar.film.motion import Puppet, record_motion, stand_still
 from surmount.rstar.manoeuvres.manoeuvre import Player
 from surmount.rstar.manoeuvres.stored import stored_manoeuvres

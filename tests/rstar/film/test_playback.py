@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from surmount.core.errors import SurmountError
-from surmount.rstar.course import EnvConfig, find_obstacle
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.film import playback
 from surmount.rstar.film.motion import record_motion, stand_still
 from surmount.rstar.film.playback import HOLD_S, LEFT, RIGHT, SPACE, STEP_S, Transport, play

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from surmount.core.errors import InputError
-from surmount.rstar.course import CourseConfig, EnvConfig, find_obstacle
+from surmount.rstar.course.config import CourseConfig, EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.film.motion import record_motion
 from surmount.rstar.film.replay import CAPTION, logged_features, replay_log, support_m
 from surmount.trials.trials import Trials

@@ -13,7 +13,7 @@ from small import run_first_stages, small_config
 
 from surmount.core.errors import IntegrityError
 from surmount.core.records import file_hash, read_record, write_record
-from surmount.report import write_report
+from surmount.report.pages import write_report
 from surmount.rstar.film.run_films import FILM, draw_films
 from surmount.trials.table import read_trials
 from surmount.workflow.run_folder import open_run

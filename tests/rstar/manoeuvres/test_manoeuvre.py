@@ -3,7 +3,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.errors import InputError
-from surmount.rstar.course import EnvConfig, ObstacleVectorEnv, find_obstacle
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.course.simulation import Simulation
 from surmount.rstar.manoeuvres.manoeuvre import Manoeuvre, Phase, Player
 from surmount.rstar.manoeuvres.search import SearchConfig, search, try_out

@@ -5,7 +5,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.rstar.course import OBSTACLES, EnvConfig, ObstacleVectorEnv
+from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.manoeuvres.manoeuvre import Player
 from surmount.rstar.manoeuvres.stored import stored_manoeuvre, stored_manoeuvres
 

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from surmount.core.errors import ConfigError
-from surmount.rstar.robot import RobotConfig, add_robot, kinematics
 from surmount.rstar.robot import constants as c
+from surmount.rstar.robot import kinematics
+from surmount.rstar.robot.config import RobotConfig
+from surmount.rstar.robot.model import add_robot
 from surmount.rstar.robot.parts import SIDES
 from surmount.rstar.robot.running_gear import wheel_names
 

@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surmount.rstar.robot import QUANTITIES, RobotConfig, kinematics
 from surmount.rstar.robot import constants as c
+from surmount.rstar.robot import kinematics
+from surmount.rstar.robot.config import RobotConfig
+from surmount.rstar.robot.constants import QUANTITIES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "robot.md").read_text(encoding="utf-8")
 ROWS = [

@@ -46,7 +46,7 @@ def papers(size, kind):
 
 def results(reported_analysis, **tests):
     return SimpleNamespace(
-        folder=SimpleNamespace(obstacle="step"),
+        folder=SimpleNamespace(task="rstar/step"),
         analysis=reported_analysis,
         tests=tests,
         comparison=None,
@@ -128,5 +128,5 @@ def test_groups_count_as_the_same_up_to_one_variant_for_each_boundary(boundaries
 
 def test_an_obstacle_that_the_paper_does_not_know_has_no_claims():
     found = results(analysis([34]))
-    found.folder.obstacle = "moat"
+    found.folder.task = "moat"
     assert claims_of(found) == ()

@@ -10,9 +10,10 @@ from run_builder import RunBuilder
 
 from surmount.cli.main import run
 from surmount.core.errors import InputError
-from surmount.report import write_overview, write_report
+from surmount.report.pages import write_report
 from surmount.report.results import read_run
 from surmount.studies.paper.claims import claims_of
+from surmount.studies.paper.pages import write_overview
 from surmount.workflow.run_layout import ARMS
 
 

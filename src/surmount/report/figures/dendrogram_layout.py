@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.cluster import hierarchy
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 
 

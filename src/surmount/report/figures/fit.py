@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 from matplotlib.ticker import MaxNLocator
 
-from surmount.analysis import Analysis
 from surmount.analysis.component_count import BICCurve
+from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
 from surmount.report.document.text import axis_label, name_and_unit, variant_label

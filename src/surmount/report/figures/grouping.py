@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
 from surmount.report.document.text import number, percent, short, variant_label
 from surmount.report.figures.dendrogram_layout import DendrogramLayout, layout

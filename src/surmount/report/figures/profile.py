@@ -12,7 +12,7 @@ from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
 from surmount.report.figures.palette import ARM_STYLES, translucent
 from surmount.report.figures.plots import hover, plot
 from surmount.report.figures.stills import axes_grid
-from surmount.stats import PerformanceProfile
+from surmount.stats.profile import PerformanceProfile
 from surmount.workflow.run_layout import ARMS
 
 X_TITLE, Y_TITLE = "success rate", "share of networks and variants above"

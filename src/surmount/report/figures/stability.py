@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.analysis.stability import Stability
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
 from surmount.report.document.text import percent, short, variant_label
@@ -20,7 +20,7 @@ from surmount.report.figures.variant_matrix import (
     ticks_of,
     variant_title,
 )
-from surmount.stats import ProportionIntervals, proportion_intervals
+from surmount.stats.proportions import ProportionIntervals, proportion_intervals
 
 HEIGHT_PX = 330
 

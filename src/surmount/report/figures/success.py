@@ -15,7 +15,7 @@ from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.figures.plots import annotate, hover, plain, plot
 from surmount.report.figures.stills import axes_grid
 from surmount.report.results import Outcomes
-from surmount.stats import proportion_intervals
+from surmount.stats.proportions import proportion_intervals
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS, TRAININGS
 

@@ -14,7 +14,7 @@ from surmount.report.document.text import number, p_value, short
 from surmount.report.figures.palette import ARM_STYLES, translucent
 from surmount.report.figures.plots import annotate, compact, hover, plot
 from surmount.report.figures.stills import axes_grid
-from surmount.stats import KaplanMeier
+from surmount.stats.survival import KaplanMeier
 from surmount.workflow.run_layout import ARMS
 
 Steps = tuple[FloatArray, FloatArray]

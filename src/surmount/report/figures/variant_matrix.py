@@ -12,7 +12,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure as StillFigure
 from matplotlib.patches import Rectangle
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
 from surmount.report.document.text import axis_label, variant_label
 from surmount.report.figures.palette import SEQUENTIAL, group_colour

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.report.comparison import Comparison
 from surmount.report.document.parts import Block, Column, Paragraph, Section, Table
 from surmount.report.document.text import (
@@ -18,7 +18,9 @@ from surmount.report.document.text import (
 from surmount.report.figures.palette import ARM_STYLES
 from surmount.report.figures.profile import THRESHOLDS, profiles
 from surmount.report.results import Outcomes
-from surmount.stats import Bootstrap, SeedInterval, performance_profile
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.evidence import SeedInterval
+from surmount.stats.profile import performance_profile
 from surmount.workflow.run_layout import ARMS
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray
 from surmount.report.document.parts import Block, Column, Fold, Notice, Paragraph, Section, Table
@@ -25,7 +25,7 @@ from surmount.report.document.text import (
 from surmount.report.figures.fit import mixture_fit
 from surmount.report.figures.grouping import distances_and_groups
 from surmount.report.figures.stability import success_and_stability
-from surmount.stats import proportion_intervals
+from surmount.stats.proportions import proportion_intervals
 from surmount.tasks.curriculum import Group
 
 MOST_BOXES = 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.report.document.parts import Notice
 from surmount.report.document.text import (
     SPACE,
@@ -25,7 +25,7 @@ MOST_NAMED = 8
 def notices(folder: RunFolder) -> list[Notice]:
     """Return what must be known before anything else is read: the scale, and what is missing."""
     found: list[Notice] = []
-    if folder.scale == "smoke":
+    if folder.preset == "smoke":
         found.append(
             Notice(
                 title="Smoke scale",
@@ -141,8 +141,8 @@ def facts(results: RunResults) -> tuple[tuple[str, str], ...]:
     """Return the run's bare facts, name and value."""
     folder = results.folder
     found = [
-        ("obstacle", folder.obstacle.replace("-", " ")),
-        ("scale", folder.scale),
+        ("task", folder.task),
+        ("preset", folder.preset),
         ("networks", str(folder.networks)),
         ("seed", str(folder.config.get("seed", "—"))),
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.report.comparison import Comparison, GroupComparison
 from surmount.report.document.parts import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.document.text import (
@@ -32,7 +32,8 @@ from surmount.report.verdicts import (
     success_verdict,
     time_verdict,
 )
-from surmount.stats import KaplanMeier, MethodContrast
+from surmount.stats.mixed import MethodContrast
+from surmount.stats.survival import KaplanMeier
 from surmount.workflow.run_layout import ARMS
 
 

@@ -20,7 +20,7 @@ from surmount.rstar.course.infos import Infos, final_infos, step_infos, with_mas
 from surmount.rstar.course.measures import FEATURE_NAMES, Measures
 from surmount.rstar.course.observations import Observations, Observer, observation_terms
 from surmount.rstar.course.obstacles import find_obstacle
-from surmount.rstar.course.options import read_options
+from surmount.rstar.course.options import check_start, read_options
 from surmount.rstar.course.pictures import RENDER_MODES, Pictures
 from surmount.rstar.course.randomiser import Randomiser
 from surmount.rstar.course.rewards import Reward
@@ -69,6 +69,9 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         with reward 0 and its ending's flags, until it is reset.
     render_mode
         ``"rgb_array"``, ``"human"`` (the first environment, in a window) or None.
+    start
+        Where episodes begin unless a reset says otherwise: ``"random"`` as in training, or
+        ``"fixed"`` as in roll-outs.
 
     Raises
     ------
@@ -91,13 +94,16 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         n_threads: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
+        start: str = "random",
     ) -> None:
+        check_start(start)
         if num_envs < 1:
             raise ConfigError(f"`num_envs` is {num_envs}.", remedy="Give 1 or more.")
         self.config = config or EnvConfig()
         self.obstacle = find_obstacle(obstacle)
         self.num_envs = num_envs
         self.render_mode = render_mode
+        self._usual_start = start
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
             **type(self).metadata,
@@ -184,15 +190,18 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             environment would take; None goes on with the present streams.
         options
             ``"variant"``: size in mm, one for all, or of shape ``(env,)`` or ``(env, parameter)``,
-            instead of a draw. ``"start"``: ``"random"`` (default) as in training, or ``"fixed"``
-            as in roll-outs. ``"reset_mask"``: which environments to reset, shape ``(env,)``.
+            instead of a draw. ``"start"``: ``"random"`` as in training, or ``"fixed"`` as in
+            roll-outs; by default as the environment was made. ``"reset_mask"``: which environments
+            to reset, shape ``(env,)``.
 
         Raises
         ------
         InputError
             If an option is unknown or does not fit.
         """
-        chosen = read_options(options, self.obstacle, self.num_envs)
+        chosen = read_options(
+            {"start": self._usual_start, **(options or {})}, self.obstacle, self.num_envs
+        )
         if seed is not None:
             self._streams.seed(seed)
             if not isinstance(seed, Sequence):
@@ -249,11 +258,11 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
         final: Infos = {}
         if self.autoreset_mode is AutoresetMode.NEXT_STEP and over is not None:
-            now = self._begin(np.flatnonzero(over))
+            now = self._begin(np.flatnonzero(over), fixed=self._usual_start == "fixed")
             terminated[over] = truncated[over] = False
         elif self.autoreset_mode is AutoresetMode.SAME_STEP and ended is not None:
             final = final_infos(self._observe(now), self._infos(now), ended)
-            now = self._begin(np.flatnonzero(ended))
+            now = self._begin(np.flatnonzero(ended), fixed=self._usual_start == "fixed")
         if self.render_mode == "human":
             self.render()
         infos = with_masks(self._infos(now), self._everywhere)

@@ -46,14 +46,26 @@ def read_options(
     given = dict(options or {})
     mask = _mask(given.pop("reset_mask", None), num_envs)
     variant = _variant(given.pop("variant", None), obstacle, num_envs)
-    start = given.pop("start", "random")
-    if start not in ("random", "fixed") or given:
-        what = ", ".join(map(repr, given)) if given else f"start={start!r}"
+    start = check_start(given.pop("start", "random"))
+    if given:
         raise InputError(
-            f"Reset does not know the option {what}.",
+            f"Reset does not know the option {', '.join(map(repr, given))}.",
             remedy="Options are variant, start ('random' or 'fixed') and reset_mask.",
         )
     return ResetOptions(variant=variant, fixed=start == "fixed", mask=mask)
+
+
+def check_start(start: str) -> str:
+    """Return where episodes begin.
+
+    Raises
+    ------
+    InputError
+        If it is neither ``"random"`` nor ``"fixed"``.
+    """
+    if start not in ("random", "fixed"):
+        raise InputError(f"There is no start {start!r}.", remedy="Let it be 'random' or 'fixed'.")
+    return start
 
 
 def _variant(value: npt.ArrayLike | None, obstacle: Obstacle, num_envs: int) -> FloatArray | None:

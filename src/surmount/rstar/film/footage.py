@@ -16,11 +16,13 @@ from surmount.core.arrays import FloatArray
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record
-from surmount.experiment.origin import course, home
+from surmount.experiment.origin import config_of, home
 from surmount.experiment.stages import NETWORK, TRIALS
-from surmount.learn import Snapshot
-from surmount.rstar.course import OBSTACLES
+from surmount.learn.snapshot import Snapshot
+from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.observations import Observations
+from surmount.rstar.course.obstacles import OBSTACLES, Obstacle
+from surmount.rstar.family import obstacle_of
 from surmount.rstar.film.logged_trials import Log, logged_motion, run_log
 from surmount.rstar.film.motion import Motion, Pilot, record_motion, stand_still
 from surmount.rstar.film.policy_pilot import PolicyPilot
@@ -41,7 +43,7 @@ class Wanted:
 
     source: str
     """Name of an obstacle, or path of a run's folder, a network, a table or a manoeuvre."""
-    obstacle: str | None = None
+    task: str | None = None
     """Obstacle of a file that lies in no run."""
     stage: str | None = None
     """Stage of a run's folder: one that trained, or one that logged trials."""
@@ -76,7 +78,7 @@ def motions(wanted: Wanted) -> Iterator[Motion]:
         If a run's file was changed after it was written.
     """
     path = Path(wanted.source)
-    if wanted.source in OBSTACLES:
+    if wanted.source.removeprefix("rstar/") in OBSTACLES:
         return _by_script(wanted, None)
     if path.is_dir():
         return _of_run(wanted, open_run(path))
@@ -135,11 +137,11 @@ def _by_script(wanted: Wanted, path: Path | None) -> Iterator[Motion]:
     _refuse(wanted, "a manoeuvre", stage="--stage", trials="--trial", network="--network")
     _refuse(wanted, "a manoeuvre", seed="--seed", deterministic="--deterministic")
     if path is None:
-        _refuse(wanted, "the name of an obstacle", obstacle="--obstacle")
+        _refuse(wanted, "the name of an obstacle", task="--task")
     else:
         _refuse(wanted, "a manoeuvre's file", standing="--stand")
-    name = wanted.source if path is None else wanted.obstacle
-    obstacle, config = course(wanted.source, name=name, changes=wanted.changes)
+    name = wanted.source if path is None else wanted.task
+    obstacle, config = _course(wanted, task=name)
     for size_mm in wanted.sizes_mm or (obstacle.hardest,):
         if wanted.standing:
             yield record_motion(
@@ -177,13 +179,7 @@ def _read_manoeuvre(path: Path) -> Manoeuvre:
 def _by_network(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> Iterator[Motion]:
     _refuse(wanted, "a network", trials="--trial", network="--network", standing="--stand")
     network = Snapshot.load(path)
-    obstacle, config = course(
-        wanted.source,
-        run=run,
-        network=network,
-        name=wanted.obstacle,
-        changes=wanted.changes,
-    )
+    obstacle, config = _course(wanted, run=run, network=network, task=wanted.task)
     seed = wanted.seed or 0
     for size_mm in wanted.sizes_mm or (obstacle.hardest,):
         pilot = PolicyPilot(network, obstacle, seed=seed, deterministic=wanted.deterministic)
@@ -204,12 +200,10 @@ def _logged(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> It
     table = read_trials(path)
     if run is not None and stage:
         _refuse(wanted, "trials of a run", changes="--set and --config")
-        course(wanted.source, run=run, name=wanted.obstacle)
+        config_of(wanted.source, run=run, task=wanted.task)
         log = run_log(run, stage, table, str(path))
     else:
-        obstacle, config = course(
-            wanted.source, run=run, name=wanted.obstacle, changes=wanted.changes
-        )
+        obstacle, config = _course(wanted, run=run, task=wanted.task)
         if len(table.parameters) != 1:
             raise InputError(
                 f"{path} has several task parameters: {', '.join(table.parameters)}.",
@@ -221,6 +215,18 @@ def _logged(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -> It
     for size_mm in wanted.sizes_mm or (float(default),):
         for repetition in wanted.trials or (int(table.repetition.min()),):
             yield logged_motion(log, log.find(size_mm, repetition, wanted.network))
+
+
+def _course(
+    wanted: Wanted,
+    *,
+    run: RunFolder | None = None,
+    network: Snapshot | None = None,
+    task: str | None = None,
+) -> tuple[Obstacle, EnvConfig]:
+    """Return the obstacle and the settings that a source belongs to."""
+    config = config_of(wanted.source, run=run, network=network, task=task, changes=wanted.changes)
+    return obstacle_of(config), config.env
 
 
 # Options ---------------------------------------------------------------------------------------

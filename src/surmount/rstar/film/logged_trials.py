@@ -9,11 +9,14 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.configuration import from_record
 from surmount.core.errors import InputError
-from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.config import config_from_record
 from surmount.experiment.protocol import protocol
 from surmount.experiment.stages import FIRST, NETWORK, join_trials, run_trials
-from surmount.learn import RolloutConfig, Snapshot
-from surmount.rstar.course import EnvConfig, Obstacle, find_obstacle
+from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.snapshot import Snapshot
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import Obstacle
+from surmount.rstar.family import obstacle_of
 from surmount.rstar.film.motion import Motion, record_motion
 from surmount.rstar.film.policy_pilot import PolicyPilot
 from surmount.rstar.film.replay import CAPTION, logged_features, replay_log
@@ -127,7 +130,7 @@ def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
 
 def _definition(run: RunFolder, name: str, repetition: int) -> Stage | None:
     """Return the stage that rolled a repetition out, as the run's protocol defines it."""
-    stages = {stage.name: stage for stage in protocol(from_record(ExperimentConfig, run.config))}
+    stages = {stage.name: stage for stage in protocol(config_from_record(run.config))}
     stage = stages.get(name)
     if stage is not None and stage.function is join_trials:
         shards = [stages[shard] for shard in stage.inputs["shards"]]
@@ -148,11 +151,11 @@ def _departure(motion: Motion, features: FloatArray) -> str:
 
 def run_log(run: RunFolder, stage: str, trials: Trials, source: str) -> Log:
     """Return the trials that a stage of a run logged."""
-    config = from_record(ExperimentConfig, run.config)
+    config = config_from_record(run.config)
     return Log(
         source=source,
         trials=trials,
-        obstacle=find_obstacle(config.obstacle),
+        obstacle=obstacle_of(config),
         config=config.env,
         run=run,
         stage=stage,

@@ -7,9 +7,11 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.experiment.task_family import obstacle_family
-from surmount.learn import Actor, Snapshot
-from surmount.rstar.course import EnvConfig, Obstacle
+from surmount.learn.rollouts import Actor
+from surmount.learn.snapshot import Snapshot
+from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.observations import Observations, observation_terms
+from surmount.rstar.course.obstacles import Obstacle
 
 INPUT_LAYER = "policy/mlp_extractor.policy_net.0.weight"
 """Weights of a network's first layer, shape ``(unit, observation)``."""

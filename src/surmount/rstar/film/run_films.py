@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.configuration import from_record
 from surmount.core.records import file_hash, read_record, write_record
 from surmount.envs.video import write_mp4, write_png
 from surmount.experiment import stages
-from surmount.experiment.config import ExperimentConfig
-from surmount.rstar.course import find_obstacle
+from surmount.experiment.config import config_from_record
+from surmount.rstar.family import obstacle_of
 from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
 from surmount.rstar.film.logged_trials import logged_motion, run_log
 from surmount.trials.table import read_trials
@@ -44,8 +43,7 @@ def draw_films(run: RunFolder, say: Callable[[str], None]) -> None:
     SurmountError
         If nothing can be drawn on this machine.
     """
-    config = from_record(ExperimentConfig, run.config)
-    size_mm = find_obstacle(config.obstacle).hardest
+    size_mm = obstacle_of(config_from_record(run.config)).hardest
     earlier = _earlier(run)
     drawn: list[dict[str, Any]] = []
     for kind, stage_kind in TRIALS.items():

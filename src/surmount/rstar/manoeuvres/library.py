@@ -13,7 +13,8 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import SurmountError
 from surmount.core.seeds import derive_seed
-from surmount.rstar.course import EnvConfig, Obstacle, find_obstacle
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import Obstacle, find_obstacle
 from surmount.rstar.course.simulation import Simulation
 from surmount.rstar.manoeuvres.manoeuvre import Manoeuvre
 from surmount.rstar.manoeuvres.search import SearchConfig, search, try_out

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.report.comparison import Comparison
 from surmount.report.document.text import (
@@ -26,8 +26,11 @@ from surmount.report.document.text import (
 )
 from surmount.report.results import Outcomes, RunResults
 from surmount.report.verdicts import NO_DIFFERENCE, NOT_TESTABLE, UNTRAINED, time_verdict
-from surmount.stats import Bootstrap, bootstrap_interval, network_difference, proportion_test
-from surmount.studies.paper.results import PAPER_RESULTS, SURVIVAL_CLAIM, PaperGroup, PaperResult
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.differences import network_difference
+from surmount.stats.evidence import bootstrap_interval
+from surmount.stats.proportions import proportion_test
+from surmount.studies.paper.results import SURVIVAL_CLAIM, PaperGroup, PaperResult, paper_result
 from surmount.workflow.run_layout import ARMS
 
 Verdict = Literal["reproduced", "partly", "not reproduced", "open"]
@@ -64,7 +67,7 @@ class Claim:
 
 def claims_of(results: RunResults) -> tuple[Claim, ...]:
     """Go through every claim of the paper on the run's obstacle; none where there are none."""
-    paper = PAPER_RESULTS.get(results.folder.obstacle)
+    paper = paper_result(results.folder.task)
     if paper is None or results.analysis is None:
         return ()
     tests = results.tests

@@ -26,13 +26,13 @@ from surmount.report.sections.evidence import evidence_row, evidence_table
 from surmount.report.sections.grouping import group_table, level_table
 from surmount.report.sections.summary import notices
 from surmount.report.verdicts import UNTRAINED
-from surmount.stats import (
-    Bootstrap,
+from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.evidence import (
     bootstrap_interval,
     difference_interval,
-    performance_profile,
     probability_of_improvement,
 )
+from surmount.stats.profile import performance_profile
 from surmount.studies.paper.claims import Claim, claims_of
 from surmount.studies.paper.section import claim_table
 from surmount.workflow.run_layout import ARMS
@@ -50,14 +50,14 @@ def overview_of(runs: Sequence[RunResults]) -> Document:
     InputError
         If two runs are on the same obstacle.
     """
-    names = [run.folder.obstacle for run in runs]
+    names = [_name(run) for run in runs]
     if len(set(names)) < len(names):
         raise InputError(
             f"Two of the runs are on the same obstacle: {listed(names)}.",
             remedy="Give one run for each obstacle.",
         )
-    claims = {run.folder.obstacle: claims_of(run) for run in runs}
-    sections = [_obstacle(run, claims[run.folder.obstacle]) for run in runs]
+    claims = {_name(run): claims_of(run) for run in runs}
+    sections = [_obstacle(run, claims[_name(run)]) for run in runs]
     together = _together(runs)
     if together is not None:
         sections.insert(0, together)
@@ -102,8 +102,13 @@ def _summary(claims: dict[str, tuple[Claim, ...]]) -> list[str]:
     return sentences
 
 
+def _name(run: RunResults) -> str:
+    """Return the last part of the task's name: an anchor, and the stem of file names."""
+    return run.folder.task.rpartition("/")[2]
+
+
 def _title(run: RunResults) -> str:
-    return run.folder.obstacle.replace("-", " ").capitalize()
+    return _name(run).replace("-", " ").capitalize()
 
 
 def _obstacle(run: RunResults, claims: tuple[Claim, ...]) -> Section:
@@ -121,13 +126,13 @@ def _obstacle(run: RunResults, claims: tuple[Claim, ...]) -> Section:
                 blocks.append(_of_obstacle(figure, run))
     if not blocks:
         blocks.append(Paragraph(text="The run has not come as far as its analysis."))
-    return Section(anchor=run.folder.obstacle, title=_title(run), blocks=tuple(blocks))
+    return Section(anchor=_name(run), title=_title(run), blocks=tuple(blocks))
 
 
 def _of_obstacle(figure: Figure, run: RunResults) -> Figure:
     return replace(
         figure,
-        name=f"{run.folder.obstacle}-{figure.name}",
+        name=f"{_name(run)}-{figure.name}",
         label="",
         title=f"{figure.title}, {_title(run).lower()}",
     )
@@ -144,7 +149,7 @@ def _together(runs: Sequence[RunResults]) -> Section | None:
     if not finished:
         return None
     scores: dict[str, dict[str, FloatArray]] = {
-        arm: {run.folder.obstacle: run.tests[arm].scores() for run in finished} for arm in ARMS
+        arm: {_name(run): run.tests[arm].scores() for run in finished} for arm in ARMS
     }
     bootstrap = Bootstrap(seed=SEED)
     first, second = (scores[arm] for arm in ARMS)

@@ -137,3 +137,8 @@ pose's width (248 mm), as the entrance's divide at its height (94.5 mm)."""
 
 SURVIVAL_CLAIM = "sooner with the curriculum in every group (log-rank test, p < 0.05)"
 """What the paper says of completion times on every obstacle."""
+
+
+def paper_result(task: str) -> PaperResult | None:
+    """Return what the paper reports of one of RSTAR's tasks, ``None`` of any other."""
+    return None if ":" in task else PAPER_RESULTS.get(task.removeprefix("rstar/"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from surmount.analysis import Analysis
+from surmount.analysis.result import Analysis
 from surmount.report.comparison import Comparison, GroupComparison, Success
 from surmount.report.document.parts import Block, Column, Notice, Paragraph, Section, Table
 from surmount.report.document.text import (
@@ -19,7 +19,7 @@ from surmount.report.document.text import (
 from surmount.report.results import RunResults
 from surmount.report.verdicts import because, success_verdict, time_verdict
 from surmount.studies.paper.claims import Claim, claims_of
-from surmount.studies.paper.results import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
+from surmount.studies.paper.results import SOURCE, SURVIVAL_CLAIM, PaperGroup, paper_result
 from surmount.workflow.run_layout import ARMS
 
 RULES = (
@@ -33,7 +33,7 @@ RULES = (
 def paper_section(results: RunResults) -> Section | None:
     """Put both results side by side; ``None`` where the paper has none on this obstacle."""
     folder, analysis, comparison = results.folder, results.analysis, results.comparison
-    paper = PAPER_RESULTS.get(folder.obstacle)
+    paper = paper_result(folder.task)
     if paper is None:
         return None
     rows: list[tuple[str, str, str]] = [
@@ -68,7 +68,7 @@ def paper_section(results: RunResults) -> Section | None:
     )
     rows.append(("completion time", SURVIVAL_CLAIM, times))
     blocks: list[Block] = []
-    if folder.scale == "smoke":
+    if folder.preset == "smoke":
         blocks.append(
             Notice(
                 title="Not a comparison of results",

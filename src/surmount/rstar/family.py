@@ -1,0 +1,110 @@
+"""RSTAR's obstacles as families of tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from surmount.core.errors import ConfigError
+from surmount.envs.family import TaskFamily
+from surmount.envs.vector_env import TaskVectorEnv
+from surmount.experiment.config import ExperimentConfig
+from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.obstacles import OBSTACLES, Obstacle
+from surmount.tasks.space import TaskSpace
+from surmount.workflow.run_folder import open_run
+
+INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_000_000}
+"""Learning steps of the initiation (paper III-C)."""
+
+
+class ObstacleFamily(TaskFamily):
+    """The variants of one of RSTAR's obstacles (paper III-C).
+
+    MuJoCo is imported when it is needed: pages of finished runs do without it.
+
+    Parameters
+    ----------
+    obstacle
+        The obstacle.
+    """
+
+    settings = EnvConfig
+
+    def __init__(self, obstacle: Obstacle) -> None:
+        self.obstacle = obstacle
+        self.name = f"rstar/{obstacle.name}"
+        self.title = f"RSTAR and the {obstacle.name.replace('-', ' ')}"
+        self.initial_steps = INITIAL_STEPS[obstacle.name]
+
+    def space(self, settings: EnvConfig) -> TaskSpace:
+        """Return the size of the obstacle in mm."""
+        del settings
+        return TaskSpace(
+            parameters=(self.obstacle.parameter,),
+            lower=np.array([self.obstacle.lower]),
+            upper=np.array([self.obstacle.upper]),
+            variants=self.obstacle.variants[:, None],
+            harder=(self.obstacle.harder,),
+        )
+
+    def fingerprint(self, settings: EnvConfig) -> str:
+        """Return the SHA-256 of robot and course as MuJoCo's XML."""
+        from surmount.rstar.course.scene import model_hash  # noqa: PLC0415 - see the class
+
+        return model_hash(self.obstacle, settings)
+
+    def cap_s(self, settings: EnvConfig) -> float:
+        """Return the cap of an episode in s."""
+        return settings.episode_s
+
+    def training_env(self, settings: EnvConfig, num_envs: int) -> TaskVectorEnv:
+        """Build courses whose episodes begin at random starts."""
+        return self._built(settings, num_envs, autoreset_mode="SameStep", start="random")
+
+    def trial_env(self, settings: EnvConfig, num_envs: int) -> TaskVectorEnv:
+        """Build courses whose episodes begin at the fixed start pose (III-D)."""
+        return self._built(settings, num_envs, autoreset_mode="Disabled", start="fixed")
+
+    def draw_films(self, run: Path, say: Callable[[str], None]) -> None:
+        """Draw one trial on the hardest variant before, with and without the curriculum."""
+        from surmount.rstar.film.run_films import draw_films  # noqa: PLC0415 - needs extras
+
+        draw_films(open_run(run), say)
+
+    def _built(
+        self, settings: EnvConfig, num_envs: int, *, autoreset_mode: str, start: str
+    ) -> TaskVectorEnv:
+        from surmount.rstar.course.batch import ObstacleVectorEnv  # noqa: PLC0415 - see the class
+
+        return ObstacleVectorEnv(
+            self.obstacle.name,
+            num_envs,
+            config=settings,
+            n_threads=1,  # stages run side by side (ADR 3)
+            autoreset_mode=autoreset_mode,
+            start=start,
+        )
+
+
+def obstacle_of(config: ExperimentConfig) -> Obstacle:
+    """Return the obstacle that an experiment is on.
+
+    Raises
+    ------
+    ConfigError
+        If it is on another robot's tasks.
+    """
+    family = config.family
+    if not isinstance(family, ObstacleFamily):
+        raise ConfigError(
+            f"`{family.name}` is none of RSTAR's obstacles.",
+            remedy=f"Give one of {', '.join(f'rstar/{name}' for name in OBSTACLES)}.",
+        )
+    return family.obstacle
+
+
+FAMILIES = {name: ObstacleFamily(obstacle) for name, obstacle in OBSTACLES.items()}
+"""By the name of the obstacle."""

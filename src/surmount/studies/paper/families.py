@@ -1,0 +1,23 @@
+"""RSTAR's obstacles with what the paper reports of them beside each run's own results."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from surmount.rstar.course.obstacles import OBSTACLES
+from surmount.rstar.family import ObstacleFamily
+
+
+class PaperFamily(ObstacleFamily):
+    """One of RSTAR's obstacles whose page has a section with the paper's numbers."""
+
+    def page_sections(self, results: Any) -> list[Any]:
+        """Return the paper's own numbers beside those of a run."""
+        from surmount.studies.paper.section import paper_section  # noqa: PLC0415 - draws figures
+
+        section = paper_section(results)
+        return [] if section is None else [section]
+
+
+FAMILIES = {name: PaperFamily(obstacle) for name, obstacle in OBSTACLES.items()}
+"""What the entry point ``rstar`` registers, by the name of the obstacle."""

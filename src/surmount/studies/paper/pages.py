@@ -1,0 +1,36 @@
+"""The page over several runs, claim by claim."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from surmount.report.pages import extras_told
+
+
+def write_overview(roots: Sequence[Path | str], out: Path | str) -> Path:
+    """Write ``report.html``, ``report.md`` and ``figures/`` over several runs, one per obstacle.
+
+    Parameters
+    ----------
+    roots
+        Output folders of runs, finished or not.
+    out
+        Folder for the page and the folder of figures.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    SurmountError
+        As :func:`write_report` for every run; an ``InputError`` if two are on the same obstacle.
+    """
+    with extras_told():
+        from surmount.report.results import read_run  # noqa: PLC0415 - an extra
+        from surmount.report.writing import write_document  # noqa: PLC0415
+        from surmount.studies.paper.overview import overview_of  # noqa: PLC0415
+
+        return write_document(overview_of([read_run(Path(root)) for root in roots]), Path(out))

@@ -1,0 +1,20 @@
+"""Records of runs that were made before names changed, in today's terms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+_NAMES = {"obstacle": "task", "scale": "preset", "own_sha256": "fingerprint"}
+
+
+def up_to_date(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the record of a configuration, or a part of one, by today's names.
+
+    Until version 0.1 a family of tasks was called an obstacle, a preset a scale, and the only
+    fingerprint was that of one's own file.
+    """
+    found = {_NAMES.get(key, key): value for key, value in record.items()}
+    if ":" in str(found.get("task", "")) and "obstacle" in record:
+        found.pop("env", None)  # RSTAR's settings stood unused beside one's own environment
+    return found
