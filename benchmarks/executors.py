@@ -28,7 +28,6 @@ from pathlib import Path
 
 import torch
 from matplotlib.figure import Figure
-from surmount.experiment.task_family import obstacle_family
 
 from surmount.core.configuration import override
 from surmount.core.records import write_record
@@ -142,19 +141,19 @@ def efficiency() -> dict[str, float]:
 def stage_seconds(obstacle: str) -> dict[str, float]:
     """Return processor time: of a learning step, and of one network's trials."""
     config = preset(obstacle, "paper")
-    family = obstacle_family(obstacle, config.env)
-    env = family.training_env(config.learner.num_envs)
+    family, space = config.family, config.family.space(config.env)
+    env = family.training_env(config.env, config.learner.num_envs)
     steps = 2 * config.learner.steps_per_rollout
-    trainer = Trainer(env, UniformTeacher(family.whole_range, steps), config.learner, seed=0)
+    trainer = Trainer(env, UniformTeacher(space.whole_range, steps), config.learner, seed=0)
     began = time.process_time()
     network = trainer.run(SilentMonitor()).network
     per_step = (time.process_time() - began) / steps
     env.close()
     few = RolloutConfig(repetitions=2)
-    trials = family.trial_env(len(family.variants) * few.repetitions)
+    trials = family.trial_env(config.env, len(space.variants) * few.repetitions)
     actor = Actor(network, trials.single_observation_space, trials.single_action_space)
     began = time.process_time()
-    roll_out(trials, actor, family.variants, few, network=0, seed=0, monitor=SilentMonitor())
+    roll_out(trials, actor, space.variants, few, network=0, seed=0, monitor=SilentMonitor())
     whole = (time.process_time() - began) * config.trials.repetitions / few.repetitions
     trials.close()
     return {"learning step": per_step, "trials": whole}

@@ -22,6 +22,7 @@ from small import content, run_first_stages, small_config
 from surmount.cli.main import run
 from surmount.core.errors import InputError, IntegrityError, OutputError, SurmountError
 from surmount.core.records import read_record, write_atomically, write_record
+from surmount.envs.registry import find_family
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.report.figures.stills import csv_text

@@ -8,13 +8,13 @@ import sys
 import gymnasium
 import pytest
 from own_point import PointEnv, make_env, make_point
-from surmount.experiment.task_family import own_family
 
 from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
 from surmount.envs.check import check_contract
-from surmount.envs.loading import source_hash
+from surmount.envs.family import NoSettings
 from surmount.envs.making import make_task_env, time_limit
+from surmount.envs.registry import find_family
 
 POINT = "from own_point import PointEnv, make_point\n"
 BAD = {
@@ -104,9 +104,9 @@ def test_a_family_takes_the_limit_of_a_wrapper(tmp_path, monkeypatch):
         "from own_point import make_point\ndef make_env():\n    return make_point()\n",
         encoding="utf-8",
     )
-    family = own_family("wrapped_env:make_env", source_hash("wrapped_env:make_env"))
-    assert family.cap_s == pytest.approx(12 * 0.05)
-    assert family.trial_env(2).num_envs == 2
+    family = find_family("wrapped_env:make_env")
+    assert family.cap_s(NoSettings()) == pytest.approx(12 * 0.05)
+    assert family.trial_env(NoSettings(), 2).num_envs == 2
 
 
 def test_a_partial_function_is_hashed_by_the_file_that_names_it(tmp_path, monkeypatch):
@@ -117,10 +117,10 @@ def test_a_partial_function_is_hashed_by_the_file_that_names_it(tmp_path, monkey
         "make_env = partial(make_point)\n",
         encoding="utf-8",
     )
-    before = source_hash("partial_env:make_env")
+    before = find_family("partial_env:make_env").fingerprint(NoSettings())
     file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     assert len(before) == 64
-    assert source_hash("partial_env:make_env") != before
+    assert find_family("partial_env:make_env").fingerprint(NoSettings()) != before
 
 
 def test_an_episode_that_ends_without_the_key_of_success_is_an_error():

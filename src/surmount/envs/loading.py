@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import inspect
 import sys
@@ -13,11 +12,6 @@ from typing import cast
 from surmount.core.errors import ConfigError, InputError, SurmountError
 from surmount.envs.making import cause
 from surmount.envs.task_env import TaskEnv
-
-
-def is_own(name: str) -> bool:
-    """Return whether a name has the form ``module:function``."""
-    return ":" in name
 
 
 def load_make_env(name: str) -> Callable[[], TaskEnv]:
@@ -76,16 +70,3 @@ def load_make_env(name: str) -> Callable[[], TaskEnv]:
             remedy=f"It has {', '.join(names) or 'none'}.",
         )
     return cast(Callable[[], TaskEnv], function)
-
-
-def source_hash(name: str) -> str:
-    """Return the SHA-256 of the file of the function's module, in hexadecimal.
-
-    Modules that it imports are not part of it.
-    """
-    function = load_make_env(name)
-    try:
-        source = inspect.getfile(inspect.unwrap(function))
-    except TypeError:  # an object that is called, such as a partial function
-        source = inspect.getfile(sys.modules[name.rpartition(":")[0]])
-    return hashlib.sha256(Path(source).read_bytes()).hexdigest()

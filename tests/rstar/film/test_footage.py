@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small import run_first_stages, small_config
-from surmount.experiment.task_family import obstacle_family
 
 from surmount.core.errors import ConfigError, InputError, IntegrityError, OutputError
+from surmount.envs.registry import find_family
 from surmount.experiment.running import begin
 from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
 from surmount.learn.snapshot import Snapshot
@@ -125,9 +125,9 @@ def test_a_table_from_elsewhere_is_drawn_from_the_log(table, tmp_path):
 
 
 def test_a_policy_moves_as_in_a_roll_out_with_the_same_seed(root, network):
-    family = obstacle_family("narrow-channel", CONFIG.env)
+    family = find_family("narrow-channel")
     for deterministic in (False, True):
-        env = family.trial_env(1)
+        env = family.trial_env(CONFIG.env, 1)
         actor = Actor(Snapshot.load(network), env.single_observation_space, env.single_action_space)
         rolled = roll_out(
             env,

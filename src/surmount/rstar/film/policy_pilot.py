@@ -6,10 +6,9 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
-from surmount.experiment.task_family import obstacle_family
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
-from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.observations import Observations, observation_terms
 from surmount.rstar.course.obstacles import Obstacle
 
@@ -60,7 +59,7 @@ class PolicyPilot:
                 f"The network takes {inputs} observations, and {obstacle.name} has {len(terms)}.",
                 remedy="Name the obstacle that it was trained on.",
             )
-        env = obstacle_family(obstacle.name, EnvConfig()).trial_env(1)
+        env = ObstacleVectorEnv(obstacle.name, 1)
         self._actor = Actor(network, env.single_observation_space, env.single_action_space)
         self._rng = None if deterministic else np.random.default_rng(seed)
         self._trial = trial
