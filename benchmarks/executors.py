@@ -34,7 +34,8 @@ from surmount.core.records import write_record
 from surmount.experiment.presets import preset
 from surmount.experiment.running import make_executor
 from surmount.experiment.teaching import comparison_graph
-from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.rollout_config import RolloutConfig
+from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.trainer import Trainer
 from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 from surmount.teachers.uniform import UniformTeacher

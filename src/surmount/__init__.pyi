@@ -34,8 +34,8 @@ from .exports.trial_logs import Columns as Columns
 from .exports.trial_logs import read_log as read_log
 from .learn.callback import TeacherCallback as TeacherCallback
 from .learn.config import LearnerConfig as LearnerConfig
+from .learn.rollout_config import RolloutConfig as RolloutConfig
 from .learn.rollouts import Actor as Actor
-from .learn.rollouts import RolloutConfig as RolloutConfig
 from .learn.rollouts import roll_out as roll_out
 from .learn.snapshot import Snapshot as Snapshot
 from .report.pages import write_analysis_report as write_analysis_report

@@ -13,7 +13,7 @@ from small import run_first_stages, small_config
 from surmount.core.errors import ConfigError, InputError
 from surmount.experiment.evaluation import evaluate_network
 from surmount.experiment.protocol import protocol
-from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.snapshot import TRAINED_ON, Snapshot, acting_only
 from surmount.trials.table import read_trials
 from surmount.workflow.monitor import SilentMonitor

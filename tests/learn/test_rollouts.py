@@ -7,7 +7,8 @@ import pytest
 from point_env import STEP, PointEnv
 
 from surmount.core.errors import ConfigError
-from surmount.learn.rollouts import RolloutConfig, roll_out
+from surmount.learn.rollout_config import RolloutConfig
+from surmount.learn.rollouts import roll_out
 from surmount.workflow.monitor import SilentMonitor
 
 

@@ -12,7 +12,8 @@ from small_trainings import (
     uniform_trainer,
 )
 
-from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.rollout_config import RolloutConfig
+from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.trainer import Checkpointing
 from surmount.workflow.monitor import Interrupted, SilentMonitor
 

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.experiment.evaluation import Evaluation, evaluate_network
-from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.rollout_config import RolloutConfig
 from surmount.stats.proportions import proportion_intervals
 from surmount.trials.table import write_trials
 from surmount.workflow.monitor import SilentMonitor

@@ -12,14 +12,11 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping
 from importlib.metadata import EntryPoint, entry_points
-from typing import cast
+from typing import Any, cast
 
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
 from surmount.envs.family import TaskFamily
-from surmount.envs.loading import load_make_env
-from surmount.envs.own_family import OwnFamily
-from surmount.envs.task_env import TaskEnv
 
 GROUP = "surmount.tasks"
 """Entry points that register families."""
@@ -42,7 +39,7 @@ def find_family(name: str) -> TaskFamily:
         If a module fails while it is imported.
     """
     if ":" in name:
-        return OwnFamily(name, load_make_env(name))
+        return _own_family(name)
     families = registered_families()
     if name in families:
         return families[name]
@@ -86,11 +83,18 @@ def _families_of(entry: EntryPoint) -> dict[str, TaskFamily]:
         if isinstance(value, TaskFamily):
             families[str(name)] = value
         elif callable(value):
-            make_env = cast(Callable[[], TaskEnv], value)
-            families[str(name)] = OwnFamily(f"{entry.name}/{name}", make_env)
+            families[str(name)] = _own_family(f"{entry.name}/{name}", value)
         else:
             raise _unusable(entry, f"{type(value).__name__} under `{name}`")
     return families
+
+
+def _own_family(name: str, make_env: Callable[..., Any] | None = None) -> TaskFamily:
+    # Needs Gymnasium, which those do without who only read what runs have left.
+    from surmount.envs.loading import load_make_env  # noqa: PLC0415
+    from surmount.envs.own_family import OwnFamily  # noqa: PLC0415
+
+    return OwnFamily(name, load_make_env(name) if make_env is None else make_env)
 
 
 def _unusable(entry: EntryPoint, what: str) -> ConfigError:

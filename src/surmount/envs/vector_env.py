@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-import gymnasium
-
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.tasks.distribution import TaskDistribution
 
@@ -27,13 +25,13 @@ class TaskVectorEnv(Protocol):
     render_mode: str | None
 
     @property
-    def single_observation_space(self) -> gymnasium.spaces.Box:
-        """Observations of one environment."""
+    def single_observation_space(self) -> Any:
+        """Observations of one environment, a space of Gymnasium."""
         ...
 
     @property
-    def single_action_space(self) -> gymnasium.spaces.Box:
-        """Actions of one environment."""
+    def single_action_space(self) -> Any:
+        """Actions of one environment, a space of Gymnasium."""
         ...
 
     def set_task_distribution(self, distribution: TaskDistribution) -> None:

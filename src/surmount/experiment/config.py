@@ -13,7 +13,7 @@ from surmount.core.errors import ConfigError, InputError
 from surmount.envs.family import NoSettings, TaskFamily
 from surmount.envs.registry import find_family
 from surmount.learn.config import LearnerConfig
-from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.rollout_config import RolloutConfig
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.workflow.run_layout import MOST_NETWORKS
 

@@ -12,7 +12,8 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.experiment.origin import NO_CHANGES, config_of, home
-from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.rollout_config import RolloutConfig
+from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.snapshot import Snapshot
 from surmount.tasks.space import TaskSpace
 from surmount.trials.trials import Trials

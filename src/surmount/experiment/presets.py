@@ -8,7 +8,7 @@ from surmount.core.errors import ConfigError
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig, config_class
 from surmount.learn.config import LearnerConfig
-from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.rollout_config import RolloutConfig
 from surmount.teachers.advancement import AdvancementConfig
 
 PRESETS = ("smoke", "paper")

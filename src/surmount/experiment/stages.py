@@ -25,7 +25,8 @@ from surmount.core.records import read_record, write_record
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.task_part import family_and_settings
 from surmount.learn.config import LearnerConfig
-from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.rollout_config import RolloutConfig
+from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.snapshot import TRAINED_ON, Snapshot
 from surmount.learn.trainer import Checkpointing, Trainer, Training
 from surmount.learn.training_episodes import TRAINING

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
@@ -15,6 +14,7 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn.mlp import ACTIVATIONS
+from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.snapshot import (
     Snapshot,
     check_architecture,
@@ -28,24 +28,6 @@ CLIP_OBSERVATION = 10.0
 """Standardised observations are clipped as in training (Stable-Baselines3's default)."""
 EPSILON = 1e-8
 """Added to the variance when standardising, as in training (Stable-Baselines3's default)."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RolloutConfig:
-    """Repeated trials of a network on every variant (paper II-A, III-D)."""
-
-    repetitions: int = 30
-    """Trials per variant and network (paper III-C, III-D)."""
-
-    deterministic: bool = False
-    """Act by the mean of the policy instead of drawing from it. From one fixed start pose a
-    deterministic policy repeats a single trial, so the default draws (assumed)."""
-
-    def __post_init__(self) -> None:
-        if self.repetitions < 1:
-            raise ConfigError(
-                f"`repetitions` is {self.repetitions}.", remedy="Give at least one trial."
-            )
 
 
 class Actor:

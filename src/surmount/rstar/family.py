@@ -7,10 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from surmount.core.errors import ConfigError
 from surmount.envs.family import TaskFamily
 from surmount.envs.vector_env import TaskVectorEnv
-from surmount.experiment.config import ExperimentConfig
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES, Obstacle
 from surmount.tasks.space import TaskSpace
@@ -87,23 +85,6 @@ class ObstacleFamily(TaskFamily):
             autoreset_mode=autoreset_mode,
             start=start,
         )
-
-
-def obstacle_of(config: ExperimentConfig) -> Obstacle:
-    """Return the obstacle that an experiment is on.
-
-    Raises
-    ------
-    ConfigError
-        If it is on another robot's tasks.
-    """
-    family = config.family
-    if not isinstance(family, ObstacleFamily):
-        raise ConfigError(
-            f"`{family.name}` is none of RSTAR's obstacles.",
-            remedy=f"Give one of {', '.join(f'rstar/{name}' for name in OBSTACLES)}.",
-        )
-    return family.obstacle
 
 
 FAMILIES = {name: ObstacleFamily(obstacle) for name, obstacle in OBSTACLES.items()}

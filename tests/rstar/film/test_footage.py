@@ -13,7 +13,8 @@ from small import run_first_stages, small_config
 from surmount.core.errors import ConfigError, InputError, IntegrityError, OutputError
 from surmount.envs.registry import find_family
 from surmount.experiment.running import begin
-from surmount.learn.rollouts import Actor, RolloutConfig, roll_out
+from surmount.learn.rollout_config import RolloutConfig
+from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import find_obstacle

@@ -19,10 +19,10 @@ from surmount.core.records import read_record
 from surmount.experiment.origin import config_of, home
 from surmount.experiment.stages import NETWORK, TRIALS
 from surmount.learn.snapshot import Snapshot
+from surmount.rstar.configured import obstacle_of
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.observations import Observations
 from surmount.rstar.course.obstacles import OBSTACLES, Obstacle
-from surmount.rstar.family import obstacle_of
 from surmount.rstar.film.logged_trials import Log, logged_motion, run_log
 from surmount.rstar.film.motion import Motion, Pilot, record_motion, stand_still
 from surmount.rstar.film.policy_pilot import PolicyPilot

@@ -12,11 +12,11 @@ from surmount.core.errors import InputError
 from surmount.experiment.config import config_from_record
 from surmount.experiment.protocol import protocol
 from surmount.experiment.stages import FIRST, NETWORK, join_trials, run_trials
-from surmount.learn.rollouts import RolloutConfig
+from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.snapshot import Snapshot
+from surmount.rstar.configured import obstacle_of
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import Obstacle
-from surmount.rstar.family import obstacle_of
 from surmount.rstar.film.motion import Motion, record_motion
 from surmount.rstar.film.policy_pilot import PolicyPilot
 from surmount.rstar.film.replay import CAPTION, logged_features, replay_log

@@ -6,6 +6,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
+from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.course.batch import ObstacleVectorEnv
@@ -59,7 +60,7 @@ class PolicyPilot:
                 f"The network takes {inputs} observations, and {obstacle.name} has {len(terms)}.",
                 remedy="Name the obstacle that it was trained on.",
             )
-        env = ObstacleVectorEnv(obstacle.name, 1)
+        env: TaskVectorEnv = ObstacleVectorEnv(obstacle.name, 1)
         self._actor = Actor(network, env.single_observation_space, env.single_action_space)
         self._rng = None if deterministic else np.random.default_rng(seed)
         self._trial = trial

@@ -12,7 +12,7 @@ from surmount.core.records import file_hash, read_record, write_record
 from surmount.envs.video import write_mp4, write_png
 from surmount.experiment import stages
 from surmount.experiment.config import config_from_record
-from surmount.rstar.family import obstacle_of
+from surmount.rstar.configured import obstacle_of
 from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
 from surmount.rstar.film.logged_trials import logged_motion, run_log
 from surmount.trials.table import read_trials
