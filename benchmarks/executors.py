@@ -32,13 +32,13 @@ from matplotlib.figure import Figure
 from surmount.core.configuration import override
 from surmount.core.records import write_record
 from surmount.experiment.presets import preset
-from surmount.experiment.running import make_executor
 from surmount.experiment.teaching import comparison_graph
 from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.trainer import Trainer
 from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 from surmount.teachers.uniform import UniformTeacher
+from surmount.workflow.executors import make_executor
 from surmount.workflow.graph import Stage, check_graph, dependencies
 from surmount.workflow.monitor import SilentMonitor
 from surmount.workflow.runner import GraphRunner

@@ -28,7 +28,8 @@ from pathlib import Path
 from surmount.core.configuration import override
 from surmount.core.records import file_hash
 from surmount.experiment.presets import preset
-from surmount.experiment.running import begin, make_executor, run
+from surmount.experiment.running import begin, run
+from surmount.workflow.executors import make_executor
 from surmount.workflow.monitor import Progress
 from surmount.workflow.store import sole_user
 

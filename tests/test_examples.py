@@ -12,10 +12,11 @@ from surmount.analysis.result import Analysis
 from surmount.core.configuration import override
 from surmount.envs.check import check_contract
 from surmount.experiment.presets import preset
-from surmount.experiment.running import begin, make_executor
+from surmount.experiment.running import begin
 from surmount.experiment.running import run as run_stages
 from surmount.report.pages import write_report
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
+from surmount.workflow.executors import make_executor
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
 

@@ -12,7 +12,7 @@ from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
 from surmount.experiment.learning_speed import steps_to_95, success_in_training
 from surmount.experiment.presets import preset
-from surmount.experiment.running import begin, make_executor, run
+from surmount.experiment.running import begin, run
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.learn.training_episodes import TrainingEpisodes
@@ -22,6 +22,7 @@ from surmount.stats.evidence import bootstrap_interval
 from surmount.tasks.curriculum import Box, Curriculum, Group
 from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 from surmount.trials.table import read_trials
+from surmount.workflow.executors import make_executor
 
 OWN = {key: value for key, value in SMALL.items() if not key.startswith("env.")}
 TEACHING = override(TeachersConfig(), {"alp_gmm.fit_episodes": 20})

@@ -9,7 +9,8 @@ from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.presets import preset
 from surmount.experiment.protocol import protocol
-from surmount.experiment.running import begin, make_executor, run
+from surmount.experiment.running import begin, run
+from surmount.workflow.executors import make_executor
 from surmount.workflow.runner import GraphRunner
 
 SMALL = {

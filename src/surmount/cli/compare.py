@@ -2,105 +2,91 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
+from surmount.cli.configuration_flags import RunOptions, run_configured
 from surmount.cli.main import INTERRUPTED
-from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.cli.reproduce import begun_with
-from surmount.cli.running import run_experiment
-from surmount.cli.workers import WorkerOptions, Workers
-from surmount.core.configuration import override
+from surmount.core.configuration import differences, to_record
 from surmount.core.errors import ConfigError
-from surmount.core.records import read_record
-from surmount.experiment.teacher_statistics import FILE
-from surmount.experiment.teaching import COMPARISON, SETTINGS, comparison_graph
-from surmount.report.pages import write_report
-from surmount.report.teachers_page import write_teachers_report
-from surmount.teachers.catalogue import TEACHERS, TeachersConfig
+from surmount.experiment.config import ExperimentConfig
+from surmount.teachers.catalogue import SETTINGS, TEACHERS, TeachersConfig
 
 DEFAULT = ("paper", "uniform", "easy-to-hard", "parameter-distance", "alp-gmm", "plr")
-TEACHING = "teaching."
+TEACHING = "teaching"
 """Prefix of the keys of teachers' own settings."""
 
 
-def compare(
-    task: Annotated[
-        str | None,
-        tyro.conf.Positional,
-        tyro.conf.arg(metavar="TASK"),
-    ] = None,
-    *,
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
-    teachers: Annotated[
-        tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(TEACHERS)}}}")
-    ] = DEFAULT,
-    seeds: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
-    scale: Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")] = "smoke",
-    resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
-    config: ConfigFile = None,
-    set: Assignments = (),  # noqa: A002 - the option's name
-    workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class Options(RunOptions):
+    """Options of the verb."""
+
+    teachers: Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(TEACHERS)}}}")] = (
+        DEFAULT
+    )
+    """Names of the teachers; settings of their own begin with teaching, such as
+    --teaching.plr.temperature 0.3."""
+
+
+def compare(arguments: Sequence[str]) -> int:
     """Train the same initial networks on by several teachers, as long as the paper's took.
 
     The paper's curriculum and the uniform control are always among them. The folder is that of an
     experiment: one that `surmount reproduce` has finished with the same configuration is taken as
     it is, and calling again goes on where it stopped, also with more teachers.
-
-    Args:
-        task: The obstacle, or an environment of your own as my_module:make_env; may be left out
-            with --resume.
-        out: Folder for everything the run makes.
-        teachers: Names of the teachers.
-        seeds: Number of independent initial networks; the preset's if not given.
-        scale: smoke (minutes, shows the method at work) or paper (the paper's scale, many hours).
-        resume: Take the run in --out with its stored configuration, whatever that is.
-        config: TOML or JSON file of configuration keys to change; see `surmount config`.
-        set: Configuration key to change, as key=value; may be repeated; overrides the file. A
-            teacher's own settings begin with teaching, such as teaching.plr.temperature=0.3.
-        workers: Where stages run.
     """
-    changes = overrides(config, set)
-    own = {key: changes.pop(key) for key in [*changes] if key.startswith(TEACHING)}
-    teaching = override(_Settings(), own).teaching
-    _require_used([*own], teachers)
-    if seeds is not None:
-        changes["networks"] = seeds
-    chosen = override(begun_with(task, scale, out, resume=resume), changes)
-    graph = comparison_graph(chosen, teachers, teaching)
+    return run_configured(
+        Options,
+        _run,
+        arguments,
+        verb="compare",
+        description=str(compare.__doc__),
+        beside={TEACHING: TeachersConfig()},
+    )
+
+
+def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
+    from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
+
+    from surmount.cli.running import run_experiment  # noqa: PLC0415
+    from surmount.core.records import read_record  # noqa: PLC0415
+    from surmount.experiment.teacher_statistics import FILE  # noqa: PLC0415
+    from surmount.experiment.teaching import COMPARISON, comparison_graph  # noqa: PLC0415
+    from surmount.report.pages import write_report  # noqa: PLC0415
+    from surmount.report.teachers_page import write_teachers_report  # noqa: PLC0415
+
+    teaching: TeachersConfig = beside[TEACHING]
+    _require_used(teaching, options.teachers)
     console = Console()
-    outcome = run_experiment(out, chosen, graph, workers, console)
+    outcome = run_experiment(
+        options.out,
+        chosen,
+        lambda config: comparison_graph(config, options.teachers, teaching),
+        options.workers,
+        console,
+    )
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED
     record = read_record(outcome.artefacts[COMPARISON].path(FILE))
-    write_report(out)
-    page = write_teachers_report(record, out)
+    write_report(options.out)
+    page = write_teachers_report(record, options.out)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
     return 0
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Settings:
-    """Teachers' settings under the name that the command line gives them."""
-
-    teaching: TeachersConfig = field(default_factory=TeachersConfig)
-
-
-def _require_used(keys: list[str], teachers: tuple[str, ...]) -> None:
+def _require_used(teaching: TeachersConfig, teachers: tuple[str, ...]) -> None:
     names = {part: name for name, part in SETTINGS.items()}
-    for key in keys:
-        teacher = names[key.removeprefix(TEACHING).partition(".")[0]]
+    for key in differences(to_record(TeachersConfig()), to_record(teaching)):
+        teacher = names[key.partition(".")[0]]
         if teacher not in teachers:
             raise ConfigError(
-                f"`{key}` is a setting of {teacher}, which is not among the teachers.",
+                f"`{TEACHING}.{key}` is a setting of {teacher}, which is not among the teachers.",
                 remedy=f"Add {teacher} to --teachers, or leave the setting out.",
             )
 

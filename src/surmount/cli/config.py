@@ -3,36 +3,31 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from typing import Any
 
-import tyro
-
-from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.core.configuration import dotted_keys, override, to_record
+from surmount.cli.configuration_flags import ConfigurationOptions, run_configured
+from surmount.core.configuration import dotted_keys, to_record
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.presets import preset as experiment_preset
 
 
-def config(
-    obstacle: Annotated[str, tyro.conf.Positional],
-    *,
-    preset: Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")] = "smoke",
-    config: ConfigFile = None,
-    set: Assignments = (),  # noqa: A002 - the option's name
+def config(arguments: Sequence[str]) -> int:
+    """Print a configuration as TOML: save it, edit it, and give it back by --config."""
+    return run_configured(
+        ConfigurationOptions, _print, arguments, verb="config", description=str(config.__doc__)
+    )
+
+
+def _print(
+    _options: ConfigurationOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]
 ) -> int:
-    """Print a configuration as TOML: save it, edit it, and give it back by --config.
-
-    Args:
-        obstacle: narrow-channel, low-entrance or step.
-        preset: smoke or paper.
-        config: TOML or JSON file of configuration keys to change.
-        set: Configuration key to change, as key=value; may be repeated; overrides the file.
-    """
-    chosen = override(experiment_preset(obstacle, preset), overrides(config, set))
     record = to_record(chosen)
-    for key in dotted_keys(ExperimentConfig):
-        value: object = record
+    for key in dotted_keys(type(chosen)):
+        value: Any = record
         for part in key.split("."):
-            value = value[part] if isinstance(value, dict) else value
-        print(f"{key} = {json.dumps(value)}")
+            value = value[part]
+        if value is None:
+            print(f"# {key} is not set")  # TOML has no word for it
+        elif key != "fingerprint":
+            print(f"{key} = {json.dumps(value)}")
     return 0

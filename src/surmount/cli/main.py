@@ -13,19 +13,57 @@ code  meaning
 7     learning failed
 130   interrupted; the same command goes on
 ====  =========================================================
+
+What needs no verb's module is answered here, without importing any: the list of verbs, the version,
+and a mistyped verb.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 
+from surmount import __version__
 from surmount.core.errors import ConfigError, SurmountError
 from surmount.core.extras import missing_extra
 
 INTERRUPTED = 130
+
+GROUPS: Mapping[str, Mapping[str, str]] = {
+    "your trials": {
+        "analyze": "determine a curriculum from logged trials of any robot",
+        "convert": "logs of other frameworks into a table of trials",
+        "export": "a curriculum or a network for another framework",
+    },
+    "your environment": {
+        "tasks": "list the registered tasks with their parameters, ranges and units",
+        "check": "whether an environment of your own keeps the contract",
+        "config": "print every key of a configuration with its value",
+    },
+    "the paper, on its robot or on your environment": {
+        "reproduce": "the whole protocol, from the first learning step to the report",
+        "compare": "train by several teachers at equal budgets",
+    },
+    "look": {
+        "show": "a curriculum, or the reasons for it, in words",
+        "report": "draw the page of a run again, or one page over several",
+        "evaluate": "try a trained network on every variant",
+        "render": "a film or stills of a policy, a manoeuvre or logged trials",
+        "view": "the same in MuJoCo's viewer",
+    },
+    "the laboratory's own studies": {
+        "capability": "what the mechanism can do at all",
+        "manoeuvres": "find a scripted manoeuvre for every variant",
+        "initiations": "success after the initiation under many settings",
+        "regimes": "where a curriculum helps, over a grid of two settings",
+    },
+}
+"""Verbs by what they are for; each is a function in the module of its name."""
+CONFIGURED = ("reproduce", "compare", "config")
+"""Verbs whose configuration has flags: they read the command line themselves."""
+VERBS = tuple(verb for group in GROUPS.values() for verb in group)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -36,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
-        return _dispatch(arguments)
+        return _dispatch(sys.argv[1:] if arguments is None else list(arguments))
     except SurmountError as error:
         return _complain(error)
     except ModuleNotFoundError as error:
@@ -52,39 +90,42 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 0
 
 
-VERBS = (
-    "reproduce",
-    "check",
-    "compare",
-    "analyze",
-    "convert",
-    "export",
-    "report",
-    "show",
-    "evaluate",
-    "render",
-    "view",
-    "capability",
-    "initiations",
-    "regimes",
-    "manoeuvres",
-    "config",
-)
-"""Each is a function in the module of its name."""
+def _dispatch(given: list[str]) -> int:
+    verb = given[0] if given else "--help"
+    if verb in VERBS:
+        import tyro  # noqa: PLC0415 - an extra: its absence is told in a sentence
 
-
-def _dispatch(arguments: Sequence[str] | None) -> int:
-    import tyro  # noqa: PLC0415 - an extra: its absence is told in a sentence
-
-    given = sys.argv[1:] if arguments is None else list(arguments)
-    if given and given[0] in VERBS:  # needs the extras of this verb, and of no other
-        verb = given[0]
+        if verb in CONFIGURED:
+            return _function(verb)(given[1:])
         return tyro.cli(_function(verb), prog=f"surmount {verb}", args=given[1:])
-    return tyro.extras.subcommand_cli_from_dict(
-        {verb: _function(verb) for verb in VERBS if _is_installed(verb)},
-        prog="surmount",
-        description="Determine a reinforcement-learning curriculum from the robot's own behaviour.",
-        args=given,
+    if verb in ("--help", "-h", "help"):
+        print(_help())
+        return 0
+    if verb == "--version":
+        print(f"surmount {__version__}")
+        return 0
+    raise _unknown(verb)
+
+
+def _help() -> str:
+    width = max(map(len, VERBS))
+    lines = [
+        "usage: surmount VERB [OPTIONS]    (surmount VERB --help tells a verb's options)",
+        "",
+        "Determine a reinforcement-learning curriculum from the robot's own behaviour.",
+    ]
+    for group, verbs in GROUPS.items():
+        lines += ["", group, *(f"  {verb:{width}}  {what}" for verb, what in verbs.items())]
+    lines += ["", "--version tells the version."]
+    return "\n".join(lines)
+
+
+def _unknown(verb: str) -> ConfigError:
+    from surmount.core.configuration import nearest  # noqa: PLC0415 - only for this sentence
+
+    return ConfigError(
+        f"There is no verb `{verb}`.",
+        remedy=f"{nearest(verb, [*VERBS])} `surmount --help` lists them all.",
     )
 
 
@@ -95,21 +136,16 @@ def _function(verb: str) -> Callable[..., int]:
         asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported, for any verb
         if not asked or isinstance(error, ModuleNotFoundError | SurmountError):
             raise
-        raise ConfigError(
-            f"MuJoCo cannot draw as MUJOCO_GL={asked} asks ({error}).",
-            remedy="Unset MUJOCO_GL: a way to draw is found without it.",
-        ) from error
+        raise cannot_draw(asked, error) from error
     return getattr(module, verb)
 
 
-def _is_installed(verb: str) -> bool:
-    try:
-        _function(verb)
-    except ModuleNotFoundError as error:
-        if missing_extra(error) is None:
-            raise
-        return False
-    return True
+def cannot_draw(asked: str, error: Exception) -> ConfigError:
+    """Return the error for a way to draw that MuJoCo was asked for and does not find."""
+    return ConfigError(
+        f"MuJoCo cannot draw as MUJOCO_GL={asked} asks ({error}).",
+        remedy="Unset MUJOCO_GL: a way to draw is found without it.",
+    )
 
 
 def _complain(error: SurmountError) -> int:

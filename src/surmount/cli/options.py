@@ -20,6 +20,13 @@ ConfigFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 """A file of configuration keys."""
 
 
+Task = Annotated[str | None, tyro.conf.arg(metavar="TASK")]
+"""A registered family of tasks, or ``module:function``."""
+
+Preset = Annotated[str, tyro.conf.arg(metavar="{smoke,paper}")]
+"""A preset of the configuration."""
+
+
 def overrides(file: Path | None, assignments: Sequence[str]) -> dict[str, Any]:
     """Return the overrides of a file and, over them, those given as ``key=value``."""
     changes = read_overrides(file) if file is not None else {}

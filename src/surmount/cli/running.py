@@ -14,7 +14,7 @@ from rich.console import Console
 from surmount.cli.display import RunDisplay
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.workers import Workers
-from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.config import ExperimentConfig, fingerprinted
 from surmount.experiment.running import begin, refuse_other, run
 from surmount.workflow.artefact_store import ArtefactStore
 from surmount.workflow.executor import Executor
@@ -24,10 +24,16 @@ from surmount.workflow.store import output_errors, sole_user
 
 
 def run_experiment(
-    out: Path, config: ExperimentConfig, graph: list[Stage], workers: Workers, console: Console
+    out: Path,
+    config: ExperimentConfig,
+    graph: Callable[[ExperimentConfig], list[Stage]],
+    workers: Workers,
+    console: Console,
 ) -> RunOutcome:
     """Begin an experiment in a folder, or go on with the one there, and run its stages."""
     workers.check()
+    config = fingerprinted(config)
+    stages = graph(config)
     refuse_other(out, config)
     with sole_user(out):
         begin(out, config)
@@ -38,7 +44,7 @@ def run_experiment(
                 executor,
                 display,
                 on_ready=on_ready,
-                stages=graph,
+                stages=stages,
                 url=workers.store,
                 retries=workers.retries,
             )

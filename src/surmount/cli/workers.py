@@ -8,9 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.experiment.running import make_executor
-from surmount.workflow.executor import Executor, Listener
-from surmount.workflow.runner import RETRIES
+from surmount.workflow.executor import RETRIES, Executor, Listener
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +34,8 @@ class Workers:
 
     def make(self, listener: Listener) -> Executor:
         """Return the executor."""
+        from surmount.workflow.executors import make_executor  # noqa: PLC0415 - needs PyTorch
+
         return make_executor(self.processes, listener, kind=self.executor, address=self.address)
 
 

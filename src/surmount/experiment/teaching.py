@@ -25,7 +25,13 @@ from surmount.learn.snapshot import Snapshot
 from surmount.tasks.regions import Regions
 from surmount.tasks.space import harder_by_success
 from surmount.teachers.advancement import AdvancementConfig
-from surmount.teachers.catalogue import TeacherContext, TeachersConfig, find_teacher, make_teacher
+from surmount.teachers.catalogue import (
+    SETTINGS,
+    TeacherContext,
+    TeachersConfig,
+    find_teacher,
+    make_teacher,
+)
 from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.graph import Stage, StageContext
 from surmount.workflow.run_layout import ANALYSIS, TRIALS, per_network
@@ -34,14 +40,6 @@ OWN_ARMS = {"paper": "curriculum", "uniform": "control"}
 """Teachers that every experiment has, by the name of their stage."""
 COMPARISON = "teachers"
 """Name of the stage that compares them."""
-SETTINGS = {
-    "alp-gmm": "alp_gmm",
-    "plr": "plr",
-    "learning-progress": "learning_progress",
-    "learnability": "learnability",
-    "spdl": "spdl",
-}
-"""Fields of :class:`TeachersConfig` by teacher; the others have no settings of their own."""
 
 
 def training_stage(teacher: str, network: int) -> str:

@@ -120,6 +120,16 @@ def make_teacher(name: str, context: TeacherContext) -> Teacher:
     return find_teacher(name).make(context)
 
 
+SETTINGS = {
+    "alp-gmm": "alp_gmm",
+    "plr": "plr",
+    "learning-progress": "learning_progress",
+    "learnability": "learnability",
+    "spdl": "spdl",
+}
+"""Fields of :class:`TeachersConfig` by teacher; the others have no settings of their own."""
+
+
 def find_teacher(name: str) -> Entry:
     """Return the entry of a name.
 

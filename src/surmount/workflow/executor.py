@@ -21,6 +21,9 @@ from surmount.workflow.store import Artefact
 PROGRESS_INTERVAL_S = 0.2
 """A worker tells of its progress at most this often."""
 
+RETRIES = 2
+"""How often a stage is run again in the same call after its worker was lost."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class StageEvent:

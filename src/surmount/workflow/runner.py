@@ -10,15 +10,13 @@ from pathlib import Path
 from typing import Protocol
 
 from surmount.workflow.artefact_store import ArtefactStore
-from surmount.workflow.executor import Executor, StageResult, WorkerLostError
+from surmount.workflow.executor import RETRIES, Executor, StageResult, WorkerLostError
 from surmount.workflow.graph import Stage, check_graph, dependencies
 from surmount.workflow.monitor import Interrupted
 from surmount.workflow.stage_task import StageTask
 from surmount.workflow.store import Artefact
 
 POLL_S = 0.1
-RETRIES = 2
-"""How often a stage is run again in the same call after its worker was lost."""
 
 
 class RunObserver(Protocol):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
-from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.course.batch import ObstacleVectorEnv
@@ -60,8 +61,9 @@ class PolicyPilot:
                 f"The network takes {inputs} observations, and {obstacle.name} has {len(terms)}.",
                 remedy="Name the obstacle that it was trained on.",
             )
-        env: TaskVectorEnv = ObstacleVectorEnv(obstacle.name, 1)
-        self._actor = Actor(network, env.single_observation_space, env.single_action_space)
+        env = ObstacleVectorEnv(obstacle.name, 1)
+        actions: Any = env.single_action_space
+        self._actor = Actor(network, env.single_observation_space, actions)
         self._rng = None if deterministic else np.random.default_rng(seed)
         self._trial = trial
         self._rows: FloatArray = np.zeros((trials, len(terms)))

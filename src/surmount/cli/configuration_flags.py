@@ -1,0 +1,231 @@
+"""A flag for every key of an experiment's configuration, beside the options of a verb.
+
+Which keys there are depends on the task: RSTAR's settings are not those of somebody's environment.
+So the options are read first, as far as they say which task, preset, run and file are meant; the
+configuration that these give is what the flags change, and what ``--help`` shows as their defaults.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import itertools
+import re
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import tyro
+
+from surmount.cli.options import Assignments, ConfigFile, Preset, Task, overrides
+from surmount.cli.workers import WorkerOptions, Workers
+from surmount.core.configuration import override
+from surmount.core.errors import ConfigError
+from surmount.envs.registry import find_family
+from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.presets import preset
+
+NOT_FLAGS = ("task", "preset", "fingerprint")
+"""Keys that the options or the run itself say."""
+_VALUE = re.compile(r"[^-]|-[\d.]|-$")
+"""How an argument begins that is no option."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConfigurationOptions:
+    """Options that say which configuration is meant."""
+
+    task: Annotated[Task, tyro.conf.Positional] = None
+    """One of those that `surmount tasks` lists, or an environment of your own as my_module:make_env
+    (see `surmount check`); may be left out with --resume."""
+    preset: Preset = "smoke"
+    """smoke (minutes, shows the method at work) or paper (the paper's scale, many hours)."""
+    config: ConfigFile = None
+    """TOML or JSON file of configuration keys to change; see `surmount config`."""
+    set: Assignments = ()
+    """Configuration key to change, as key=value; may be repeated; overrides the file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(ConfigurationOptions):
+    """Options of verbs that run an experiment."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
+    """Folder for everything the run makes."""
+    resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Go on with the run in --out, with its stored configuration."""
+    workers: WorkerOptions = field(default_factory=Workers)
+    """Where stages run."""
+
+
+Options = TypeVar("Options", bound=ConfigurationOptions)
+
+
+def run_configured(
+    options: type[Options],
+    run: Callable[[Options, ExperimentConfig, Mapping[str, Any]], int],
+    arguments: Sequence[str],
+    *,
+    verb: str,
+    description: str,
+    beside: Mapping[str, object] | None = None,
+) -> int:
+    """Read a verb's options and the configuration's flags, and run it.
+
+    Parameters
+    ----------
+    options
+        A dataclass of the verb's options.
+    run
+        Takes the options, the configuration, and the values of ``beside``.
+    arguments
+        The command line after the verb.
+    verb, description
+        For ``--help``.
+    beside
+        Configurations that have flags too, by the name that begins them.
+    """
+    wants_help = any(argument in ("-h", "--help") for argument in arguments)
+    asked = _asked(options, arguments, verb, quietly=wants_help)
+    more = dict(beside or {})
+    if asked is None or (wants_help and asked.task is None and not _resumes(asked)):
+        tyro.cli(
+            options,
+            prog=f"surmount {verb}",
+            args=["--help"],
+            description=f"{description}\n\nWith a task, --help shows a flag for every key of its "
+            f"configuration, too: surmount {verb} step --help",
+        )
+        return 0
+    changes = overrides(asked.config, asked.set)
+    for name, default in more.items():
+        own = {key: changes.pop(key) for key in [*changes] if key.startswith(f"{name}.")}
+        more[name] = _override_below(name, default, own)
+    base = override(begun_with(asked), changes)
+    kind = _combined(options, base, more)
+    defaults = {name: getattr(base, name) for name in _flag_fields(base)} | more
+    parsed: Any = tyro.cli(
+        kind, prog=f"surmount {verb}", args=list(arguments), description=description
+    )
+    flags = {name: getattr(parsed, name) for name in defaults}
+    beside_values = {name: flags.pop(name) for name in more}
+    return run(parsed.options, dataclasses.replace(base, **flags), beside_values)
+
+
+def _resumes(options: ConfigurationOptions) -> bool:
+    return isinstance(options, RunOptions) and options.resume
+
+
+def begun_with(options: ConfigurationOptions) -> ExperimentConfig:
+    """Return the preset of a task, or the configuration of the run in a folder.
+
+    Raises
+    ------
+    ConfigError
+        If no task is given to begin with, or the run is on another one.
+    OutputError
+        If a run is to be resumed and there is none.
+    """
+    task = options.task
+    if isinstance(options, RunOptions) and options.resume:
+        from surmount.experiment.running import load_config  # noqa: PLC0415 - needs PyTorch
+
+        out = options.out
+        stored = load_config(out)
+        if task is not None and find_family(task).name != stored.task:
+            raise ConfigError(
+                f"{out} holds a run on {stored.task}, not on {task}.",
+                remedy="Leave the task out, or choose another --out folder.",
+            )
+        return stored
+    if task is None:
+        raise ConfigError(
+            "No task was given.",
+            remedy="Name one that `surmount tasks` lists, such as step, or my_module:make_env.",
+        )
+    return preset(task, options.preset)
+
+
+def _asked(
+    options: type[Options], arguments: Sequence[str], verb: str, *, quietly: bool
+) -> Options | None:
+    """Return the options alone, without the configuration's flags and their values."""
+    kept: list[str] = []
+    dropping = False
+    for argument in arguments:
+        if argument in ("-h", "--help"):
+            continue
+        if _VALUE.match(argument):
+            if not dropping:
+                kept.append(argument)
+            continue
+        dropping = _is_flag(argument, options)
+        if not dropping:
+            kept.append(argument)
+    if not quietly:
+        return tyro.cli(options, prog=f"surmount {verb}", args=kept)
+    task = kept[0] if kept and _VALUE.match(kept[0]) else None
+    required: dict[str, Any] = {"out": Path()} if issubclass(options, RunOptions) else {}
+    return options(task=task, **required)
+
+
+def _is_flag(argument: str, options: type[Any]) -> bool:
+    """Whether an argument is a flag of the configuration, not an option of the verb."""
+    name = argument.lstrip("-").partition("=")[0].replace("-", "_")
+    if "." in name:
+        return True
+    own = {one.name for one in dataclasses.fields(options)}
+    return name in {one.name for one in dataclasses.fields(ExperimentConfig)} - own
+
+
+def _flag_fields(config: ExperimentConfig) -> list[str]:
+    return [one.name for one in dataclasses.fields(config) if one.name not in NOT_FLAGS]
+
+
+def _combined(
+    options: type[Any], base: ExperimentConfig, beside: Mapping[str, object]
+) -> type[Any]:
+    """Return one dataclass of a verb's options and of the configuration's fields."""
+    told = attribute_docs(ExperimentConfig)
+    fields: list[tuple[str, Any, Any]] = []
+    for name in _flag_fields(base):
+        value = getattr(base, name)
+        kind = type(value)
+        if not dataclasses.is_dataclass(value):
+            kind = Annotated[kind, tyro.conf.arg(help=told.get(name, ""))]
+        fields.append((name, kind, dataclasses.field(default=value)))
+    fields += [(name, type(value), dataclasses.field(default=value))
+               for name, value in beside.items()]  # fmt: skip
+    return dataclasses.make_dataclass(
+        "Configured",
+        [("options", tyro.conf.OmitArgPrefixes[options]), *fields],
+        frozen=True,
+        kw_only=True,
+    )
+
+
+def _override_below(name: str, default: object, changes: Mapping[str, Any]) -> object:
+    """Override one configuration by keys that begin with its name."""
+    holder = dataclasses.make_dataclass(
+        "Holder", [(name, type(default), dataclasses.field(default=default))], frozen=True
+    )
+    return getattr(override(holder(), changes), name)
+
+
+def attribute_docs(cls: type[Any]) -> dict[str, str]:
+    """Return the sentence below each field of a dataclass, by the field's name."""
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(cls))).body
+    body = node.body if isinstance(node, ast.ClassDef) else []
+    found: dict[str, str] = {}
+    for named, below in itertools.pairwise(body):
+        if (
+            isinstance(named, ast.AnnAssign)
+            and isinstance(named.target, ast.Name)
+            and isinstance(below, ast.Expr)
+            and isinstance(below.value, ast.Constant)
+        ):
+            found[named.target.id] = " ".join(str(below.value.value).split())
+    return found
