@@ -34,5 +34,6 @@ def config(
         value: object = record
         for part in key.split("."):
             value = value[part] if isinstance(value, dict) else value
-        print(f"{key} = {json.dumps(value)}")
+        # TOML has no null; as text it is read as JSON again, like every text.
+        print(f"{key} = {json.dumps('null' if value is None else value)}")
     return 0

@@ -9,7 +9,7 @@ from surmount.core.errors import InputError
 from surmount.envs import EnvConfig, Obstacle
 from surmount.envs.observations import Observations, observation_terms
 from surmount.experiment.task_family import obstacle_family
-from surmount.learn import Actor, Snapshot
+from surmount.learn import Actor, CorrelatedNoise, Snapshot
 
 INPUT_LAYER = "policy/mlp_extractor.policy_net.0.weight"
 """Weights of a network's first layer, shape ``(unit, observation)``."""
@@ -61,6 +61,7 @@ class PolicyPilot:
         env = obstacle_family(obstacle.name, EnvConfig()).trial_env(1)
         self._actor = Actor(network, env.single_observation_space, env.single_action_space)
         self._rng = None if deterministic else np.random.default_rng(seed)
+        self._correlated = CorrelatedNoise(self._actor.noise_correlation)
         self._trial = trial
         self._rows: FloatArray = np.zeros((trials, len(terms)))
         self._noise_shape = (trials, *(env.single_action_space.shape or ()))
@@ -68,6 +69,8 @@ class PolicyPilot:
     def __call__(self, observations: Observations, x_m: FloatArray) -> FloatArray:
         """Return the actions of this decision, shape ``(1, 3)``."""
         del x_m
-        noise = None if self._rng is None else self._rng.standard_normal(self._noise_shape)
+        noise = None
+        if self._rng is not None:
+            noise = self._correlated.next(self._rng.standard_normal(self._noise_shape))
         self._rows[self._trial] = observations[0]
         return self._actor.act(self._rows, noise)[self._trial : self._trial + 1]
