@@ -101,7 +101,7 @@ def _learner(name: str) -> dict[str, Any]:
     """Return what a preset of the learner changes, by dotted keys; nothing for the default."""
     if name not in LEARNERS:
         raise ValueError(f"there is no learner {name!r}")
-    return {f"learner.{key}": value for key, value in LEARNERS[name].items()}
+    return dict(LEARNERS[name])
 
 
 def trials_stage(setting: str, obstacle: str, network: int) -> str:
