@@ -30,7 +30,6 @@ from surmount.experiment.presets import preset
 from surmount.experiment.task_family import task_part
 from surmount.learn.presets import ML_AGENTS
 
-
 LEARNERS: Mapping[str, Mapping[str, object]] = {"": {}, "ml-agents": ML_AGENTS}
 """Presets of the learner by name; the default has none."""
 
@@ -60,7 +59,7 @@ class Setting:
 def read_settings(path: Path) -> list[Setting]:
     """Read a TOML file of settings.
 
-    The table ``common`` holds ``obstacles``, ``networks`` (a number, or a list of their indices) and
+    The table ``common`` holds ``obstacles``, ``networks`` (a number, or a list of indices) and
     ``changes``; each table ``settings.<name>`` may hold its own, ``changes`` being added to the
     common ones. With ``learner = "ml-agents"`` a setting begins from that preset of the learner.
 
