@@ -110,7 +110,7 @@ def test_eq_5_from_the_second_test_on(first, newest, decision):
     assert passes(first, newest, iteration=1, threshold=0.1, gain_floor=0.0) is decision
 
 
-@given(st.none() | st.floats(-1e6, 1e6), st.floats(1e-3, 1e3), st.floats(-1e3, 1e3))
+@given(st.none() | st.floats(-1e6, 1e6), st.floats(1e-3, 1e3), st.floats(0, 1e3))
 def test_the_first_test_compares_a_gain_with_itself_and_never_passes(gain, threshold, floor):
     assert not passes(gain, gain, iteration=0, threshold=threshold, gain_floor=floor)
 
@@ -348,7 +348,14 @@ def test_the_uniform_teacher_ends_with_its_steps():
 
 @pytest.mark.parametrize(
     "change",
-    [{"window_steps": 50}, {"iteration_steps": 0}, {"threshold": 0.0}, {"max_extensions": -1}],
+    [
+        {"window_steps": 50},
+        {"iteration_steps": 0},
+        {"threshold": 0.0},
+        {"max_extensions": -1},
+        {"gain_floor": -1.0},
+        {"measure": "decision"},
+    ],
 )
 def test_impossible_settings_are_refused(change):
     with pytest.raises(ConfigError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import get_args
 
 from surmount.core.errors import ConfigError
 from surmount.core.teacher import RewardMeasure, Rule
@@ -49,6 +50,10 @@ class AdvancementConfig:
                 raise ConfigError(
                     f"`{name}` is {getattr(self, name)}.", remedy="Give a positive number of steps."
                 )
+        if self.measure not in get_args(RewardMeasure):
+            raise ConfigError(
+                f"`measure` is {self.measure!r}.", remedy="Choose among 'episode' and 'step'."
+            )
         if self.window_steps > min(self.iteration_steps, self.extension_steps):
             raise ConfigError(
                 f"`window_steps` ({self.window_steps}) is longer than an iteration.",
@@ -61,6 +66,11 @@ class AdvancementConfig:
         if self.max_extensions < 0:
             raise ConfigError(
                 f"`max_extensions` is {self.max_extensions}.", remedy="Give zero or more."
+            )
+        if not self.gain_floor >= 0:
+            raise ConfigError(
+                f"`gain_floor` is {self.gain_floor}.",
+                remedy="Give zero or more: a share of a negative gain means nothing.",
             )
 
 
@@ -76,7 +86,7 @@ def gain_ratio(
     newest_gain
         rL − rF of the newest iteration, likewise.
     gain_floor
-        Gain that ``first_gain`` must exceed.
+        Gain that ``first_gain`` must exceed, zero or more.
     """
     if first_gain is None or newest_gain is None or first_gain <= gain_floor:
         return None
