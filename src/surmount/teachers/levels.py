@@ -32,7 +32,7 @@ class LevelTeacher:
     An iteration ends with the first roll-out that reaches its length, so it may be longer than
     configured by less than one roll-out. The first test of a level, after k steps, compares the
     first iteration with itself: its ratio is 1, and an extension follows unless none is allowed
-    (docs/adr/0074).
+    (docs/adr/0073).
 
     Parameters
     ----------
