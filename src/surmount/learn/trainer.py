@@ -228,7 +228,8 @@ class Trainer:
         if test is not None:
             self._tests.append(test)
             monitor.log(test.sentence)
-            values |= {"eq. 5": test.newest_gain if test.ratio is None else test.ratio}
+            measured = test.newest_gain if test.ratio is None else test.ratio
+            values |= {} if measured is None else {"eq. 5": measured}
         diverged = int(outcome.episodes.diverged.sum())
         if diverged:
             monitor.log(f"{diverged} episode(s) ended because the physics diverged")
