@@ -9,7 +9,6 @@ from typing import get_args
 import numpy as np
 
 from surmount.core.errors import InputError
-from surmount.stats.cells import CellMean, Cells, Interaction, MethodContrast
 from surmount.stats.columns import (
     Table,
     column,
@@ -18,8 +17,9 @@ from surmount.stats.columns import (
     require_confidence,
     require_same_length,
 )
-from surmount.stats.inference import DegreesOfFreedom, means_law
-from surmount.stats.random_intercept import RandomInterceptFit, decompose, fit, undefined
+from surmount.stats.mixed.cells import CellMean, Cells, Interaction, MethodContrast
+from surmount.stats.mixed.inference import DegreesOfFreedom, means_law
+from surmount.stats.mixed.random_intercept import RandomInterceptFit, decompose, fit, undefined
 from surmount.stats.result import Result
 
 SINGULAR_RATIO = 1e-8
@@ -140,7 +140,7 @@ def mixed_model(
     data = decompose(measured, compact.astype(np.int64), network.codes)
     reason = undefined(data)
     fitted = fit(data) if reason is None else None
-    law = means_law(fitted, degrees_of_freedom) if fitted is not None else None
+    law = fitted and means_law(fitted, degrees_of_freedom)
     cells = Cells(
         groups=grouped.names,
         methods=treated.names,
@@ -160,11 +160,11 @@ def mixed_model(
         n_rows=int(measured.size),
         degrees_of_freedom_rule=degrees_of_freedom,
         confidence=confidence,
-        subject_variance=None if fitted is None else fitted.subject_variance,
-        residual_variance=None if fitted is None else fitted.residual_variance,
-        reml_criterion=None if fitted is None else fitted.criterion,
+        subject_variance=fitted and fitted.subject_variance,
+        residual_variance=fitted and fitted.residual_variance,
+        reml_criterion=fitted and fitted.criterion,
         singular=singular,
-        singular_note=_singular_note(fitted) if fitted is not None and singular else None,
+        singular_note=_singular_note(fitted) if fitted and singular else None,
         means=cells.means(),
         contrasts=cells.contrasts(),
         interaction=cells.interaction(),
