@@ -7,7 +7,6 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import ttest_ind, ttest_rel
 
 from surmount.core.arrays import FloatArray
 from surmount.stats.columns import require_confidence
@@ -66,6 +65,8 @@ def network_difference(
     confidence
         Confidence level of the interval.
     """
+    from scipy.stats import ttest_ind, ttest_rel  # noqa: PLC0415 - slow to import
+
     require_confidence(confidence)
     one, two = read_two_arms({"first": first}, {"first": second}, paired=paired)
     reason = too_few(one, two)
