@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surmount.core.arrays import FloatArray
-from surmount.stats.columns import require_confidence
+from surmount.stats.columns import ROUNDING, require_confidence
 from surmount.stats.result import Result
 from surmount.stats.strata import flat, read_two_arms, sizes, too_few
 
@@ -101,4 +101,4 @@ def network_difference(
 def _vary_by_rounding_alone(first: FloatArray, second: FloatArray, *, paired: bool) -> bool:
     largest = float(max(np.abs(first).max(), np.abs(second).max()))
     spreads = [np.ptp(first - second)] if paired else [np.ptp(first), np.ptp(second)]
-    return float(max(spreads)) <= 64 * float(np.finfo(np.float64).eps) * largest
+    return float(max(spreads)) <= ROUNDING * largest

@@ -9,15 +9,9 @@ from typing import get_args
 import numpy as np
 
 from surmount.core.errors import InputError
-from surmount.stats.columns import (
-    Table,
-    column,
-    labels,
-    numbers,
-    require_confidence,
-    require_same_length,
-)
+from surmount.stats.columns import Table, require_confidence
 from surmount.stats.mixed.cells import CellMean, Cells, Interaction, MethodContrast
+from surmount.stats.mixed.design import read_design
 from surmount.stats.mixed.inference import DegreesOfFreedom, means_law
 from surmount.stats.mixed.random_intercept import RandomInterceptFit, decompose, fit, undefined
 from surmount.stats.result import Result
@@ -125,19 +119,20 @@ def mixed_model(
             f"There is no rule `{degrees_of_freedom}` for degrees of freedom.",
             remedy=f"Choose among {', '.join(get_args(DegreesOfFreedom))}.",
         )
-    measured = numbers(column(table, response), response)
-    grouped = labels(column(table, group), group, order=groups)
-    treated = labels(column(table, method), method, order=methods)
-    network = labels(column(table, subject), subject)
-    lengths = {
-        response: measured, group: grouped.codes, method: treated.codes, subject: network.codes
-    }  # fmt: skip
-    require_same_length(**lengths)
-
+    design = read_design(
+        table,
+        response=response,
+        group=group,
+        method=method,
+        subject=subject,
+        groups=groups,
+        methods=methods,
+    )
+    grouped, treated, network = design.group, design.method, design.subject
     n_methods = len(treated.names)
     cell = grouped.codes * n_methods + treated.codes  # index into all cells, empty ones included
     present, compact = np.unique(cell, return_inverse=True)
-    data = decompose(measured, compact.astype(np.int64), network.codes)
+    data = decompose(design.response, compact.astype(np.int64), network.codes)
     reason = undefined(data)
     fitted = fit(data) if reason is None else None
     law = fitted and means_law(fitted, degrees_of_freedom)
@@ -157,7 +152,7 @@ def mixed_model(
         groups=grouped.names,
         methods=treated.names,
         subjects=network.names,
-        n_rows=int(measured.size),
+        n_rows=int(design.response.size),
         degrees_of_freedom_rule=degrees_of_freedom,
         confidence=confidence,
         subject_variance=fitted and fitted.subject_variance,
