@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE / "experiment"), str(HERE / "own")]
+sys.path[:0] = [str(HERE), *(str(HERE / room) for room in ("experiment", "own", "stats"))]
 
 
 @pytest.fixture(autouse=True)

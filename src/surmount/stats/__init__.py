@@ -3,6 +3,13 @@
 from __future__ import annotations
 
 from surmount.stats.bootstrap import Bootstrap
+from surmount.stats.detectable import (
+    DetectableDifference,
+    NetworksNeeded,
+    detectable_difference,
+    networks_needed,
+    paired_power,
+)
 from surmount.stats.differences import NetworkDifference, network_difference
 from surmount.stats.evidence import (
     SeedInterval,
@@ -12,7 +19,15 @@ from surmount.stats.evidence import (
     probability_of_improvement,
 )
 from surmount.stats.logrank import LogRank, log_rank
-from surmount.stats.mixed import CellMean, Interaction, MethodContrast, MixedModel, mixed_model
+from surmount.stats.mixed import (
+    CellMean,
+    Interaction,
+    MethodContrast,
+    MixedModel,
+    NetworkContrast,
+    mixed_model,
+    network_contrasts,
+)
 from surmount.stats.profile import PerformanceProfile, performance_profile
 from surmount.stats.proportions import (
     ProportionIntervals,
@@ -27,13 +42,16 @@ from surmount.stats.thresholds import StepsToThreshold, steps_to_threshold
 __all__ = [
     "Bootstrap",
     "CellMean",
+    "DetectableDifference",
     "Interaction",
     "JsonValue",
     "KaplanMeier",
     "LogRank",
     "MethodContrast",
     "MixedModel",
+    "NetworkContrast",
     "NetworkDifference",
+    "NetworksNeeded",
     "PerformanceProfile",
     "ProportionIntervals",
     "ProportionTest",
@@ -41,12 +59,16 @@ __all__ = [
     "SeedInterval",
     "StepsToThreshold",
     "bootstrap_interval",
+    "detectable_difference",
     "difference_interval",
     "interquartile_mean",
     "kaplan_meier",
     "log_rank",
     "mixed_model",
+    "network_contrasts",
     "network_difference",
+    "networks_needed",
+    "paired_power",
     "performance_profile",
     "probability_of_improvement",
     "proportion_intervals",
