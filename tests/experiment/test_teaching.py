@@ -159,6 +159,7 @@ def test_a_group_is_learnt_when_its_own_newest_episodes_succeed():
             steps=steps,
             tasks=tasks[:, None],
             success=(tasks < 30) | (steps > learnt),
+            reward=np.zeros(steps.size),
         )
 
     easy, hard = steps_to_95([training(1000), training(4000)], curriculum)

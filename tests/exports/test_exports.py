@@ -13,6 +13,7 @@ import sys
 from dataclasses import replace
 from itertools import chain, combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -24,6 +25,9 @@ from surmount.exports.formats import export_curriculum
 from surmount.exports.ml_agents import export_ml_agents, interval_counts
 from surmount.exports.trial_logs import Columns, read_log
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.teacher import Episodes, RolloutOutcome
 from surmount.trials.table import read_trials
 
 
@@ -323,6 +327,79 @@ def test_tasks_for_stable_baselines_do_not_go_with_the_starts(seeds):
     assert env.task == again
 
 
+def test_levels_for_stable_baselines_go_on_as_the_teacher_does():
+    pytest.importorskip("stable_baselines3", reason="needs Stable-Baselines3")
+    space: dict = {}
+    text = export_curriculum(STEP, "sb3").files["curriculum_sb3.py"]
+    exec(text, space)  # noqa: S102
+    lengths = {"iteration_steps": 200, "extension_steps": 90, "window_steps": 30,
+               "max_extensions": 3}  # fmt: skip
+    space |= {name.upper(): value for name, value in lengths.items()}
+
+    class Callback(space["LevelCallback"]):
+        training_env = SimpleNamespace(env_method=lambda *_: None)
+
+    levels = [STEP.level_distribution(level) for level in range(STEP.n_levels)]
+    iterations = set()
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        teacher, callback = LevelTeacher(levels, AdvancementConfig(**lengths)), Callback(0)
+        while not teacher.finished:
+            ends = np.flatnonzero(rng.random(20) < 0.03) + 1
+            rewards = rng.normal(np.sqrt(teacher.status().steps) * (seed % 3 - 1), 1.0, ends.size)
+            for end, reward in zip(ends.tolist(), rewards.tolist(), strict=True):
+                callback.ended.append((callback.steps + end, reward))
+            callback.steps += 20
+            callback._on_rollout_end()
+            teacher.update_on_rollout(outcome_of(ends, rewards, 20))
+            assert callback.level == (teacher.status().level or 3) - 1
+        iterations |= {(test.rule, test.decision) for test in teacher.tests}
+    assert {rule for rule, _ in iterations} == {"first test", "ratio", "newest gain", "no gain"}
+    assert {decision for _, decision in iterations} == {"extend", "advance", "advance at the limit"}
+
+
+def outcome_of(ends, rewards, steps) -> RolloutOutcome:
+    count = ends.size
+    return RolloutOutcome(
+        rewards=np.zeros(steps),
+        episodes=Episodes(
+            step=ends,
+            variant=np.zeros((count, 1)),
+            reward=rewards,
+            length=np.ones(count, dtype=int),
+            success=np.zeros(count, dtype=bool),
+            diverged=np.zeros(count, dtype=bool),
+        ),
+    )
+
+
+def test_levels_for_syllabus_never_end_at_their_first_test(monkeypatch):
+    stubs = {
+        "syllabus.core": {"Curriculum": type("Curriculum", (), {"__init__": lambda *_: None})},
+        "syllabus.curricula": {"SequentialCurriculum": None},
+        "syllabus.task_space": {"DiscreteTaskSpace": None},
+    }
+    for name, content in stubs.items():
+        monkeypatch.setitem(sys.modules, name, SimpleNamespace(**content))
+    space: dict = {}
+    exec(export_curriculum(STEP, "syllabus").files["curriculum_syllabus.py"], space)  # noqa: S102
+    first, further = space["FIRST_EPISODES"], space["FURTHER_EPISODES"]
+
+    def length(returns) -> int:
+        level = space["Level"](space["LEVELS"][0], None)
+        for count, value in enumerate(returns, 1):
+            level.update_on_episode(value, 10, 0, 0.0)
+            if level.is_over():
+                return count
+        return 0
+
+    assert length(np.zeros(9_000)) == first + further
+    assert length(-np.arange(9_000.0)) == first + further
+    assert length(np.arange(9_000.0)) == first + space["MAX_EXTENSIONS"] * further
+    risen = np.minimum(np.arange(9_000.0), first)
+    assert length(risen) == first + further
+
+
 def test_the_file_for_syllabus_samples_the_first_and_the_last_level_by_their_weights():
     pytest.importorskip("syllabus", reason="needs Syllabus")
     text = export_curriculum(STEP, "syllabus").files["curriculum_syllabus.py"]
@@ -338,7 +415,8 @@ def test_the_file_for_syllabus_samples_the_first_and_the_last_level_by_their_wei
     within = 5 * np.sqrt(0.25 / 4000)
     assert share(21.0, 33.5) == pytest.approx(0.25, abs=within)
     assert share(46.5, 50.0) == pytest.approx(0.05, abs=within)
-    for _ in range(space["FIRST_EPISODES"]):  # returns that do not grow end the first level
+    # Returns that do not grow end the first level, but not at its first test.
+    for _ in range(space["FIRST_EPISODES"] + space["FURTHER_EPISODES"]):
         curriculum.update_on_episode(0.0, 10, 0, 0.0)
     assert share(21.0, 33.5) == pytest.approx(0.2, abs=within)
     assert share(46.5, 50.0) == pytest.approx(0.7, abs=within)

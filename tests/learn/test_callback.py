@@ -80,6 +80,9 @@ def test_levels_are_pushed_from_the_first_episode_on_and_training_ends_with_the_
     lines = learn(callback, n_steps=64, batch_size=64)
     tasks = [outcome.episodes.variant for outcome in teacher.outcomes]
     assert len(tasks) == 2  # two levels of one roll-out of 128 steps
+    for outcome, before in zip(teacher.outcomes, (0, 128), strict=True):
+        assert outcome.steps_before == before
+        assert before < outcome.episodes.step.min() <= outcome.episodes.step.max() <= before + 128
     assert (tasks[0][:, 0] <= 0.7).all()  # the first episodes included
     begun_before = 2  # one episode of each environment began before the new level was pushed
     assert (tasks[1][begun_before:, 0] >= 1.5).all()

@@ -68,6 +68,28 @@ def test_it_acts_as_the_network(tmp_path, activation, normalise):
     np.testing.assert_allclose(std, np.exp(-0.7), rtol=1e-6)
 
 
+def test_draws_are_divided_as_the_network_does(tmp_path):
+    original = network()
+    noise = {"correlation_s": 0.1, "decision_interval_s": 0.01}
+    divided = Snapshot(
+        tensors=original.tensors,
+        record={**original.record, "action_divisor": 3.0, "exploration_noise": noise},
+    )
+    export_onnx(divided, tmp_path / "policy.onnx")
+    observations = np.random.default_rng(0).normal(size=(200, 7)) * 60
+    mean, std = ReferenceEvaluator(str(tmp_path / "policy.onnx")).run(
+        None, {"observation": observations.astype(np.float32)}
+    )
+    expected = Actor(divided, OBSERVATIONS, ACTIONS).act(observations, None)
+    usual = Actor(original, OBSERVATIONS, ACTIONS).act(observations, None)
+    assert (np.abs(usual) == 1.0).any()
+    assert (np.abs(expected) > 1 / 3).any()
+    np.testing.assert_allclose(mean, expected, atol=2e-5)
+    np.testing.assert_allclose(std, np.exp(-0.7) / 3, rtol=1e-6)
+    told = {entry.key: entry.value for entry in onnx.load(tmp_path / "policy.onnx").metadata_props}
+    assert json.loads(told["exploration_noise"]) == noise
+
+
 def test_it_says_what_it_was_trained_on_and_is_the_same_file_every_time(tmp_path):
     for name in ("one", "two"):
         export_onnx(network(), tmp_path / name)

@@ -33,7 +33,8 @@ def lean_learner(config: LearnerConfig = CONFIG, env=None) -> ResumablePPO:
         rewards=config.normalise_rewards,
         discount=config.discount,
     )
-    return ready(ResumablePPO.build(normaliser, config, seed=5))
+    rates = config.at_interval(PointEnv.decision_interval_s)
+    return ready(ResumablePPO.build(normaliser, config, rates, seed=5))
 
 
 def stock_learner(config: LearnerConfig = CONFIG) -> PPO:

@@ -38,7 +38,11 @@ def taught(easy, difficult):
     rows = sorted([(*row, 5.0) for row in easy] + [(*row, 15.0) for row in difficult])
     steps, success, tasks = map(np.array, zip(*rows, strict=True))
     record = TrainingEpisodes(
-        budget=4_000, steps=steps, tasks=tasks[:, None], success=success.astype(bool)
+        budget=4_000,
+        steps=steps,
+        tasks=tasks[:, None],
+        success=success.astype(bool),
+        reward=np.zeros(steps.size),
     )
     tests = (EXTENDED, FIRST, SECOND)
     return dataclasses.replace(training(np.zeros(9)), level_tests=tests, record=record)

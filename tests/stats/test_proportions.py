@@ -1,10 +1,9 @@
 import json
 
-import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.stats import binomtest, chi2_contingency
+from scipy.special import ndtri
 from stats_reference import assert_equal, parametrized
 
 from surmount.core.errors import InputError
@@ -46,14 +45,18 @@ rates = st.tuples(st.integers(0, 400), st.integers(1, 400)).filter(lambda pair: 
 
 
 @given(rates, rates)
-def test_statistic_is_pearsons_with_yates_correction_of_scipy(first, second):
-    won, tried = np.array([first[0], second[0]]), np.array([first[1], second[1]])
-    assume(0 < won.sum() < tried.sum())
-    expected = chi2_contingency(np.stack([won, tried - won]), correction=True)
-    found = proportion_test(won, tried)
+def test_statistic_is_yates_closed_form_for_four_cells(first, second):
+    (a, n), (b, m) = first, second
+    assume(0 < a + b < n + m)
+    found = proportion_test([a, b], [n, m])
+    # N (|ad − bc| − N/2)² over the product of the margins; never corrected beyond zero.
+    total, won = n + m, a + b
+    cross = max(abs(a * (m - b) - b * (n - a)) - total / 2, 0)
+    expected = total * cross**2 / (n * m * won * (total - won))
     # Equal formulas evaluated in another order: a few roundings apart, relative to the counts.
-    assert found.statistic == pytest.approx(expected.statistic, rel=1e-9, abs=1e-9)
-    assert found.small_expected_counts == bool((expected.expected_freq < 5).any())
+    assert found.statistic == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    smallest = min(n, m) * min(won, total - won)
+    assert found.small_expected_counts == (smallest < 5 * total)
 
 
 @given(rates, rates)
@@ -69,12 +72,16 @@ def test_exchanging_the_arms_turns_the_sign_of_the_difference_only(first, second
 
 
 @given(rates)
-def test_wilson_interval_equals_scipys(pair):
+def test_wilson_limits_are_the_rates_that_the_score_test_just_keeps(pair):
     found = proportion_intervals([pair[0]], [pair[1]], confidence=0.9)
-    expected = binomtest(*pair).proportion_ci(0.9, method="wilson")
-    assert found.lower[0] == pytest.approx(expected.low, abs=1e-12)
-    assert found.upper[0] == pytest.approx(expected.high, abs=1e-12)
-    assert found.lower[0] <= found.proportions[0] <= found.upper[0]
+    (rate,), tried = found.proportions, pair[1]
+    for limit, end in ((found.lower[0], 0.0), (found.upper[0], 1.0)):
+        if rate == end:
+            assert limit == end
+        else:
+            score = (rate - limit) ** 2 / (limit * (1 - limit) / tried)
+            assert score == pytest.approx(ndtri(0.95) ** 2, rel=1e-9)
+    assert found.lower[0] <= rate <= found.upper[0]
 
 
 @pytest.mark.parametrize(("won", "word"), [([30, 40], "succeeded"), ([0, 0], "failed")])

@@ -196,14 +196,16 @@ class RunBuilder:
         """Train nobody: feed a teacher rewards that rise and level off, and log them."""
         rng = np.random.default_rng([*kind.encode(), network])
         history, tests = History(parameters=("height_mm",)), []
-        since_level = 0
+        since_level = steps = 0
         while not teacher.finished:
             since_level += self.rollout_steps
             level = 0.02 * (1 - np.exp(-since_level / (0.3 * self.config.initial_steps)))
             outcome = RolloutOutcome(
                 rewards=level - 0.01 + 0.005 * rng.standard_normal(self.rollout_steps),
-                episodes=self._episodes(rng, 50 * level),
+                episodes=self._episodes(rng, 50 * level, steps),
+                steps_before=steps,
             )
+            steps += self.rollout_steps
             test = teacher.update_on_rollout(outcome)
             history.add(outcome, label=teacher.status().label)
             if test is not None:
@@ -225,12 +227,12 @@ class RunBuilder:
         self.run(f"{kind}/network-{network}", function, {})
         return int(history.steps[-1]) if history.steps.size else 0
 
-    def _episodes(self, rng: np.random.Generator, rate: float) -> Episodes:
+    def _episodes(self, rng: np.random.Generator, rate: float, steps: int) -> Episodes:
         count = int(rng.integers(0, 8))
         return Episodes(
-            step=np.arange(count),
+            step=steps + np.sort(rng.integers(1, self.rollout_steps + 1, count)),
             variant=rng.uniform(100, 200, (count, 1)),
-            reward=rng.standard_normal(count),
+            reward=rate + 0.02 * rng.standard_normal(count),
             length=rng.integers(50, 200, count),
             success=rng.random(count) < rate,
             diverged=rng.random(count) < 0.05,

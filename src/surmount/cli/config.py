@@ -26,8 +26,6 @@ def _print(
         value: Any = record
         for part in key.split("."):
             value = value[part]
-        if value is None:
-            print(f"# {key} is not set")  # TOML has no word for it
-        elif key != "fingerprint":
-            print(f"{key} = {json.dumps(value)}")
+        # TOML has no null; as text it is read as JSON again, like every text.
+        print(f"{key} = {json.dumps('null' if value is None else value)}")
     return 0

@@ -64,7 +64,7 @@ def export_syllabus(curriculum: Curriculum) -> Export:
         notes=(
             "curriculum_syllabus.py needs Syllabus, not Surmount.",
             "Its tasks are indices of boxes: draw each parameter uniformly within the bounds.",
-            "Syllabus tells of episodes, not of steps: eq. 5 compares sums of returns there.",
+            "Syllabus tells of episodes, not of steps: the lengths of eq. 5 are in episodes there.",
         ),
     )
 

@@ -178,8 +178,9 @@ class TeacherCallback(BaseCallback):
     def _outcome(self, errors: FloatArray | None) -> RolloutOutcome:
         rows = self._rows
         parameters = len(self.teacher.distribution().parameters)
+        rewards = np.concatenate(self._rewards)
         return RolloutOutcome(
-            rewards=np.concatenate(self._rewards),
+            rewards=rewards,
             episodes=Episodes(
                 step=np.array([row["step"] for row in rows], dtype=np.int64),
                 variant=np.array([row["variant"] for row in rows], dtype=np.float64).reshape(
@@ -191,6 +192,7 @@ class TeacherCallback(BaseCallback):
                 diverged=np.array([row["diverged"] for row in rows], dtype=np.bool_),
             ),
             value_errors=errors,
+            steps_before=self.num_timesteps - rewards.size,
         )
 
     def _forget(self) -> None:

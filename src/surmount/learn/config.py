@@ -2,10 +2,47 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 from surmount.core.errors import ConfigError
+
+POSITIVE = (
+    "num_envs",
+    "policy_head_scale",
+    "action_divisor",
+    "rollout_steps",
+    "batch_size",
+    "epochs",
+    "time_horizon",
+    "learning_rate",
+    "adam_epsilon",
+    "decay_steps",
+    "discount_time_s",
+    "gae_time_s",
+    "max_gradient_norm",
+)
+"""Fields that are positive, or None where they may be left out."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PerDecision:
+    """What a learner's times in seconds are worth from one decision to the next.
+
+    Attributes
+    ----------
+    discount
+        γ.
+    gae_lambda
+        λ of generalised advantage estimation.
+    noise_correlation
+        Correlation of the exploration noise of successive decisions, 0 for white noise.
+    """
+
+    discount: float
+    gae_lambda: float
+    noise_correlation: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,7 +50,9 @@ class LearnerConfig:
     """PPO through Stable-Baselines3 (paper III-B).
 
     The paper prints the network and the number of environments. Where it is silent, values
-    follow the defaults of ML-Agents, which it used, unless marked otherwise.
+    follow the defaults of ML-Agents, which it used, unless marked otherwise. What else ML-Agents
+    does differently is a field each, off by default; :mod:`surmount.learn.presets` holds them
+    together. Facts about ML-Agents are those of its release 22 (``mlagents`` 1.1.0).
     """
 
     num_envs: int = 9
@@ -23,7 +62,29 @@ class LearnerConfig:
     """Units of each hidden layer, of policy and value network alike (paper III-B)."""
 
     activation: Literal["tanh", "relu", "silu"] = "tanh"
-    """Activation of the hidden layers (assumed: the default of Stable-Baselines3)."""
+    """Activation of the hidden layers (assumed: the default of Stable-Baselines3). ML-Agents has
+    x · sigmoid(x), here ``silu`` (its ``Swish``, `torch_entities/layers.py`)."""
+
+    initialisation: Literal["orthogonal", "kaiming"] = "orthogonal"
+    """How weights are drawn (assumed: ``orthogonal``, as Stable-Baselines3 does). ``kaiming`` is
+    ML-Agents': normal with variance 1 / inputs, the critic's last layer uniform with variance
+    2 / (inputs + outputs) (`torch_entities/layers.py`, `decoders.py`)."""
+
+    policy_head_scale: float = 0.01
+    """Factor on the weights of the actor's last layer (assumed: Stable-Baselines3's; ML-Agents
+    has 0.2, `torch_entities/distributions.py`)."""
+
+    action_divisor: float = 1.0
+    """What the policy draws is divided by this, then clipped to the action space. 1 clips at one
+    standard deviation of a new policy (Stable-Baselines3); 3 is ML-Agents' clamp to ± 3 divided by
+    3 (`torch_entities/agent_action.py`)."""
+
+    noise_correlation_s: float = 0.0
+    """Time in s after which the correlation of a policy's exploration noise has fallen to 1/e;
+    0 for white noise, as in ML-Agents and Stable-Baselines3. The noise is an AR(1) process whose
+    marginal stays N(0, 1), so that densities are those of white noise, begun anew with each episode
+    (coloured noise in on-policy learning: Hollenstein et al., AAAI 2024). Trials of a network that
+    learnt with it draw it too."""
 
     rollout_steps: int = 1024
     """Decisions per environment between updates: 9 · 1,024 = 9,216, the multiple of the batch next
@@ -35,42 +96,86 @@ class LearnerConfig:
     epochs: int = 3
     """Passes over each roll-out (ML-Agents default)."""
 
+    time_horizon: int | None = None
+    """Decisions after which a trajectory is cut for the estimation of advantages, which then lean
+    on the critic's value, counted from the beginning of each episode and roll-out. ``None`` cuts at
+    the roll-out's end only (Stable-Baselines3); ML-Agents cuts after 64 (`settings.py`)."""
+
     learning_rate: float = 3e-4
-    """Step size of Adam (ML-Agents default), constant: the length of a curriculum is not known
-    beforehand, so a decay has no end to aim at (assumed)."""
+    """Step size of Adam (ML-Agents default)."""
+
+    adam_epsilon: float = 1e-5
+    """ε of Adam (assumed: Stable-Baselines3's; ML-Agents has PyTorch's 1e-8)."""
+
+    decay_steps: int | None = None
+    """Learning steps, counted from the beginning of each training, over which the learning rate,
+    the clipping range and the weight of the entropy fall linearly to 1e-10, 0.1 and 1e-5, as in
+    ML-Agents over its ``max_steps`` (`ppo/optimizer_torch.py`). ``None`` keeps them constant: the
+    length of a curriculum is not known beforehand, so a decay has no end to aim at (assumed)."""
 
     discount: float = 0.99
-    """γ per decision (ML-Agents default)."""
+    """γ per decision (ML-Agents default). Without meaning where `discount_time_s` is given."""
+
+    discount_time_s: float | None = None
+    """Time in s after which a reward is worth 1/e: γ = exp(−decision interval / this), the same
+    horizon at every decision interval. ``None`` takes γ per decision."""
 
     gae_lambda: float = 0.95
-    """λ of generalised advantage estimation (assumed; ML-Agents default 0.95)."""
+    """λ of generalised advantage estimation per decision (ML-Agents default). Without meaning where
+    `gae_time_s` is given."""
+
+    gae_time_s: float | None = None
+    """Time in s after which an advantage leans on the critic for all but 1/e:
+    λ = exp(−decision interval / this). ``None`` takes λ per decision."""
 
     clip_range: float = 0.2
     """PPO's clipping of the probability ratio (ML-Agents default)."""
 
+    clip_per_action: bool = False
+    """Whether each action's own probability ratio is clipped and the loss is their mean, as in
+    ML-Agents (`torch_entities/utils.py`), instead of the ratio of all actions together."""
+
     entropy_coefficient: float = 5e-3
     """Weight of the entropy bonus (ML-Agents default)."""
+
+    mean_entropy: bool = False
+    """Whether the bonus is the mean of the actions' entropies, as in ML-Agents
+    (`torch_entities/distributions.py`), instead of their sum."""
+
+    normalise_advantages: Literal["batch", "rollout"] = "batch"
+    """Whether advantages are standardised in every batch (Stable-Baselines3) or once over the whole
+    roll-out (ML-Agents, `trainer/on_policy_trainer.py`)."""
 
     value_coefficient: float = 0.5
     """Weight of the value loss (ML-Agents default)."""
 
-    max_gradient_norm: float = 0.5
-    """Gradients are clipped to this norm (assumed: the default of Stable-Baselines3)."""
+    clip_values: bool = False
+    """Whether the value loss is the larger of the losses with and without the value's change
+    clipped to the clipping range, as in ML-Agents (`torch_entities/utils.py`)."""
+
+    max_gradient_norm: float | None = 0.5
+    """Gradients are clipped to this norm (assumed: the default of Stable-Baselines3); ``None`` for
+    none, as in ML-Agents (`ppo/optimizer_torch.py`)."""
 
     normalise_observations: bool = True
-    """Standardise observations by running statistics (assumed)."""
+    """Standardise observations by running statistics (assumed; ML-Agents' default is not to)."""
 
     normalise_rewards: bool = True
-    """Scale rewards by the running deviation of the discounted return (assumed). Eq. 5 and all
-    learning curves use rewards before scaling."""
+    """Scale rewards by the running deviation of the discounted return (assumed; ML-Agents does
+    not). Eq. 5 and all learning curves use rewards before scaling."""
 
     def __post_init__(self) -> None:
-        positive = ("num_envs", "rollout_steps", "batch_size", "epochs", "learning_rate")
-        for name in positive:
-            if not getattr(self, name) > 0:
+        for name in POSITIVE:
+            value = getattr(self, name)
+            if value is not None and not 0 < value < math.inf:
                 raise ConfigError(
-                    f"`learner.{name}` is {getattr(self, name)}.", remedy="Give a positive value."
+                    f"`learner.{name}` is {value}.", remedy="Give a positive, finite value."
                 )
+        if not 0 <= self.noise_correlation_s < math.inf:
+            raise ConfigError(
+                f"`learner.noise_correlation_s` is {self.noise_correlation_s}.",
+                remedy="Give a time in seconds, or 0 for white noise.",
+            )
         for name in ("discount", "gae_lambda"):
             if not 0 <= getattr(self, name) <= 1:
                 raise ConfigError(
@@ -93,3 +198,28 @@ class LearnerConfig:
     def steps_per_rollout(self) -> int:
         """Learning steps between two updates, over all environments."""
         return self.num_envs * self.rollout_steps
+
+    def at_interval(self, decision_interval_s: float) -> PerDecision:
+        """Return what the times in seconds are worth per decision.
+
+        Raises
+        ------
+        ConfigError
+            If a time is given and the environment does not say how long a decision takes.
+        """
+        times = (self.discount_time_s, self.gae_time_s, self.noise_correlation_s or None)
+        if any(times) and not 0 < decision_interval_s < math.inf:
+            raise ConfigError(
+                f"A decision of the environment takes {decision_interval_s} s, and the learner has "
+                "times in seconds.",
+                remedy="Give the environment its `decision_s`, or the learner `learner.discount` "
+                "and `learner.gae_lambda`, and no correlation of its noise.",
+            )
+        discount, gae_lambda, correlation = (
+            None if time_s is None else math.exp(-decision_interval_s / time_s) for time_s in times
+        )
+        return PerDecision(
+            discount=self.discount if discount is None else discount,
+            gae_lambda=self.gae_lambda if gae_lambda is None else gae_lambda,
+            noise_correlation=correlation or 0.0,
+        )

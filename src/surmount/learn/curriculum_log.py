@@ -7,7 +7,9 @@ key                                       value
 ``curriculum/weight/<region>``            probability of the region in what is pushed
 ``curriculum/success/<region>``           success of the region's episodes in the roll-out
 ``curriculum/tested_level``               level just tested, from 1
-``curriculum/rF``, ``rL``                 reward over the first and the last W steps (eq. 5)
+``curriculum/rF``, ``rL``                 r over the first and the last W steps (eq. 5): mean
+                                          reward of episodes, or sum of step rewards
+``curriculum/rF_episodes``, …             how many episodes each is the mean of
 ``curriculum/first_gain``                 rL − rF of the level's first iteration
 ``curriculum/newest_gain``                rL − rF of the newest iteration
 ``curriculum/eq5_ratio``, ``threshold``   newest gain / first gain, and what it must fall below
@@ -15,7 +17,8 @@ key                                       value
 ========================================  ====================================================
 
 Level and weights are those of the roll-out to come, success is that of the roll-out just done; the
-keys from ``tested_level`` on are written where a level was tested.
+keys from ``tested_level`` on are written where a level was tested, of them gains and ratio where
+they can be told.
 """
 
 from __future__ import annotations
@@ -72,14 +75,20 @@ def log_curriculum(
         logger.record("curriculum/level", level)
     if test is not None:
         logger.record("curriculum/tested_level", test.level + 1)
-        logger.record("curriculum/rF", test.first_window)
-        logger.record("curriculum/rL", test.last_window)
-        logger.record("curriculum/first_gain", test.first_gain)
-        logger.record("curriculum/newest_gain", test.newest_gain)
+        measured = {
+            "rF": test.first_window,
+            "rL": test.last_window,
+            "rF_episodes": test.first_episodes,
+            "rL_episodes": test.last_episodes,
+            "first_gain": test.first_gain,
+            "newest_gain": test.newest_gain,
+            "eq5_ratio": test.ratio,
+        }
+        for name, value in measured.items():
+            if value is not None:
+                logger.record(f"curriculum/{name}", value)
         logger.record("curriculum/threshold", test.threshold)
         logger.record("curriculum/advanced", int(test.decision != "extend"))
-        if test.ratio is not None:
-            logger.record("curriculum/eq5_ratio", test.ratio)
 
 
 def variant_regions(space: TaskSpace) -> Regions | None:

@@ -28,6 +28,18 @@ def log_density_of_noise(noise: torch.Tensor, log_std: torch.Tensor) -> torch.Te
     return -0.5 * noise.square().sum(dim=-1) - constant
 
 
+def log_densities(
+    actions: torch.Tensor, means: torch.Tensor, log_std: torch.Tensor
+) -> torch.Tensor:
+    """Return the logarithm of the density of each action by itself, shape ``(row, action)``."""
+    return log_densities_of_noise((actions - means) * torch.exp(-log_std), log_std)
+
+
+def log_densities_of_noise(noise: torch.Tensor, log_std: torch.Tensor) -> torch.Tensor:
+    """Return the logarithm of the density of each ``mean + std · noise`` by itself."""
+    return -0.5 * noise.square() - (log_std + HALF_LOG_2_PI)
+
+
 def entropy(log_std: torch.Tensor) -> torch.Tensor:
     """Return the entropy of the actions, a scalar: it does not depend on the means."""
     return (log_std + (0.5 + HALF_LOG_2_PI)).sum()

@@ -13,7 +13,7 @@ from onnx import TensorProto, helper, numpy_helper
 from surmount.core.errors import InputError
 from surmount.core.records import canonical_json, write_atomically
 from surmount.learn.rollouts import CLIP_OBSERVATION, EPSILON
-from surmount.learn.snapshot import TRAINED_ON, Snapshot
+from surmount.learn.snapshot import NOISE, TRAINED_ON, Snapshot, action_divisor
 
 OPSET = 18
 """Version of ONNX's operators: old enough for most runtimes."""
@@ -32,8 +32,9 @@ def export_onnx(network: Snapshot, path: Path) -> None:
     Its input ``observation`` has shape ``(row, observation)`` in the environment's own units, in
     single precision; standardising is part of the model. Its outputs are ``action_mean``, shape
     ``(row, action)`` and clipped to [−1, 1], and ``action_std``, shape ``(action,)``: trials draw
-    ``clip(mean before clipping + std · noise)``, a deterministic user takes the mean alone. What
-    the network was trained on stands in the model's metadata as JSON.
+    ``clip(mean before clipping + std · noise)``, a deterministic user takes the mean alone. Both
+    outputs are divided by what the network's draws are divided by. What the network was trained on,
+    and how its noise was correlated over time if it was, stands in the model's metadata as JSON.
 
     Parameters
     ----------
@@ -57,12 +58,15 @@ def export_onnx(network: Snapshot, path: Path) -> None:
         raise InputError(
             f"The network has no {error}.", remedy="Give a network that Surmount trained."
         ) from error
-    graph.constant(STD, np.exp(log_std))
+    divisor = action_divisor(network)
+    graph.constant(STD, np.exp(log_std) / divisor)
     actions, observations = log_std.size, graph.inputs
     outputs = [
         helper.make_tensor_value_info(MEAN, TensorProto.FLOAT, ["row", actions]),
         helper.make_tensor_value_info(STD, TensorProto.FLOAT, [actions]),
     ]
+    if divisor != 1.0:
+        last = graph.add("Div", [last, graph.constant("divisor", divisor)], "divided")
     graph.add("Clip", [last, graph.constant("low", -1.0), graph.constant("high", 1.0)], MEAN)
     model = helper.make_model(
         helper.make_graph(
@@ -76,7 +80,10 @@ def export_onnx(network: Snapshot, path: Path) -> None:
         producer_name="surmount",
         ir_version=9,
     )
-    helper.set_model_props(model, {TRAINED_ON: canonical_json(network.record.get(TRAINED_ON))})
+    told = {TRAINED_ON: canonical_json(network.record.get(TRAINED_ON))}
+    if NOISE in network.record:
+        told[NOISE] = canonical_json(network.record[NOISE])
+    helper.set_model_props(model, told)
     onnx.checker.check_model(model, full_check=True)
     write_atomically(path, model.SerializeToString(deterministic=True))
 

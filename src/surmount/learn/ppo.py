@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, cast
@@ -12,18 +13,17 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.type_aliases import Schedule
-from stable_baselines3.common.utils import explained_variance
+from stable_baselines3.common.utils import explained_variance, update_learning_rate
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from surmount.learn.config import LearnerConfig
+from surmount.learn.config import LearnerConfig, PerDecision
+from surmount.learn.decay import Decayed
 from surmount.learn.faults import is_sound_update
+from surmount.learn.initialisation import initialise
 from surmount.learn.mlp import ACTIVATIONS, ActorCritic
+from surmount.learn.noise import CorrelatedNoise
 from surmount.learn.rollout_collector import RolloutCollector
-from surmount.learn.update import Batch, Loss, ppo_loss
-
-ADAM_EPSILON = 1e-5
-"""Stable-Baselines3's default, which it forgets as soon as Adam is given any other option."""
+from surmount.learn.update import Batch, Loss, Objective, ppo_loss
 
 
 @contextmanager
@@ -49,9 +49,10 @@ class ResumablePPO(PPO):
     instead of resetting.
 
     Collecting and updating do what Stable-Baselines3's methods do, drawing the same random
-    numbers, and agree with them to rounding. They leave out what costs time at nine rows: a tree
-    of modules and distribution objects for every decision. What they do not know (policies other
-    than :class:`ActorCritic`'s, early stopping, clipped values) goes Stable-Baselines3's own way.
+    numbers, and agree with them to rounding, unless the configuration asks for what
+    Stable-Baselines3 does not have. They leave out what costs time at nine rows: a tree of modules
+    and distribution objects for every decision. What they do not know (policies other than
+    :class:`ActorCritic`'s, learners not made by :meth:`build`) goes Stable-Baselines3's own way.
 
     Attributes
     ----------
@@ -63,31 +64,52 @@ class ResumablePPO(PPO):
 
     skipped_updates: int = 0
     all_skipped: bool = False
+    _config: LearnerConfig | None = None
+    _noise: CorrelatedNoise
 
     @classmethod
-    def build(cls, env: VecNormalize, config: LearnerConfig, seed: int) -> ResumablePPO:
-        """Return a new learner; the seed also sets the global generators it draws from."""
-        return cls(
+    def build(
+        cls, env: VecNormalize, config: LearnerConfig, rates: PerDecision, seed: int
+    ) -> ResumablePPO:
+        """Return a new learner; the seed also sets the global generators it draws from.
+
+        Parameters
+        ----------
+        env
+            Environments, normalised.
+        config
+            Hyper-parameters.
+        rates
+            Those in seconds, at the environments' decision interval.
+        seed
+            Of weights, exploration, order of batches and environments.
+        """
+        limit = config.max_gradient_norm
+        learner = cls(
             "MlpPolicy",
             env,
             n_steps=config.rollout_steps,
             batch_size=config.batch_size,
             n_epochs=config.epochs,
             learning_rate=config.learning_rate,
-            gamma=config.discount,
-            gae_lambda=config.gae_lambda,
+            gamma=rates.discount,
+            gae_lambda=rates.gae_lambda,
             clip_range=config.clip_range,
             ent_coef=config.entropy_coefficient,
             vf_coef=config.value_coefficient,
-            max_grad_norm=config.max_gradient_norm,
+            max_grad_norm=math.inf if limit is None else limit,
             policy_kwargs={
                 "net_arch": list(config.hidden_layers),
                 "activation_fn": ACTIVATIONS[config.activation].module,
-                "optimizer_kwargs": {"eps": ADAM_EPSILON, "fused": True},
+                "optimizer_kwargs": {"eps": config.adam_epsilon, "fused": True},
             },
             device="cpu",
             seed=seed,
         )
+        initialise(learner.policy, config)
+        learner._config = config
+        learner._noise = CorrelatedNoise(rates.noise_correlation)
+        return learner
 
     @property
     def has_begun(self) -> bool:
@@ -115,18 +137,24 @@ class ResumablePPO(PPO):
         bool
             False if a callback ended training before the buffer was full.
         """
-        networks = ActorCritic.of(self.policy)
-        if networks is None or not isinstance(self.action_space, gymnasium.spaces.Box):
+        networks, config = ActorCritic.of(self.policy), self._config
+        if (
+            networks is None
+            or config is None
+            or not isinstance(self.action_space, gymnasium.spaces.Box)
+        ):
             return super().collect_rollouts(env, callback, rollout_buffer, n_rollout_steps)
         self.policy.set_training_mode(False)
         rollout_buffer.reset()
-        collection = RolloutCollector(networks, rollout_buffer, self.action_space)
+        collection = RolloutCollector(
+            networks, rollout_buffer, self.action_space, config, self._noise
+        )
         observations: Any = self._last_obs
         starts: Any = self._last_episode_starts
         callback.on_rollout_start()
         with one_thread():
             for _ in range(n_rollout_steps):
-                new_obs, rewards, dones, infos = env.step(collection.act(observations))
+                new_obs, rewards, dones, infos = env.step(collection.act(observations, starts))
                 self.num_timesteps += env.num_envs
                 callback.update_locals(locals())
                 if not callback.on_step():
@@ -142,27 +170,30 @@ class ResumablePPO(PPO):
 
     def train(self) -> None:
         """Update the networks on the collected roll-out."""
-        networks = ActorCritic.of(self.policy)
-        if networks is None or self.clip_range_vf is not None or self.target_kl is not None:
+        networks, config = ActorCritic.of(self.policy), self._config
+        if networks is None or config is None:
             super().train()
             return
         self.policy.set_training_mode(True)
-        self._update_learning_rate(self.policy.optimizer)
-        schedule = cast("Schedule", self.clip_range)
-        clip_range = schedule(self._current_progress_remaining)
+        now = Decayed.at(config, self.num_timesteps)
+        update_learning_rate(self.policy.optimizer, now.learning_rate)
+        objective = Objective(
+            clip_range=now.clip_range,
+            entropy_coefficient=now.entropy_coefficient,
+            value_coefficient=config.value_coefficient,
+            normalise_advantages=config.normalise_advantages == "batch",
+            mean_entropy=config.mean_entropy,
+            clip_values=config.clip_values,
+        )
         parameters = list(self.policy.parameters())
         whole = Batch.whole(self.rollout_buffer)
+        if config.normalise_advantages == "rollout":
+            whole = whole.with_normalised_advantages()
         losses: list[Loss] = []
         self.skipped_updates = 0
         for _ in range(self.n_epochs):
             for batch in whole.shuffled(self.batch_size):
-                loss = ppo_loss(
-                    networks,
-                    batch,
-                    clip_range=clip_range,
-                    entropy_coefficient=self.ent_coef,
-                    value_coefficient=self.vf_coef,
-                )
+                loss = ppo_loss(networks, batch, objective)
                 self.policy.optimizer.zero_grad()
                 loss.total.backward()
                 norm = torch.nn.utils.clip_grad_norm_(parameters, self.max_grad_norm)
@@ -173,12 +204,13 @@ class ResumablePPO(PPO):
                     self.skipped_updates += 1
             self._n_updates += 1
         self.all_skipped = self.skipped_updates == len(losses)
-        self._log_update(losses, clip_range)
+        self._log_update(losses, now)
 
-    def _log_update(self, losses: Sequence[Loss], clip_range: float) -> None:
+    def _log_update(self, losses: Sequence[Loss], now: Decayed) -> None:
         """Record what Stable-Baselines3 records; the divergence is the last epoch's."""
         buffer, record = self.rollout_buffer, self.logger.record
         last_epoch = losses[-(len(losses) // self.n_epochs) :]
+        record("train/learning_rate", now.learning_rate)
         record("train/entropy_loss", _mean([loss.entropy for loss in losses]))
         record("train/policy_gradient_loss", _mean([loss.policy for loss in losses]))
         record("train/value_loss", _mean([loss.value for loss in losses]))
@@ -191,12 +223,14 @@ class ResumablePPO(PPO):
         )
         record("train/std", torch.exp(self.policy.log_std).mean().item())
         record("train/n_updates", self._n_updates, exclude="tensorboard")
-        record("train/clip_range", clip_range)
+        record("train/clip_range", now.clip_range)
 
     def loop_state(self) -> dict[str, Any]:
         """Return where the loop stands and the global generators, as arrays and JSON values."""
         kind, keys, position, has_gauss, gauss = np.random.get_state(legacy=True)  # noqa: NPY002
+        noise = self._noise.newest
         return {
+            **({} if noise is None else {"noise": noise}),
             "steps": self.num_timesteps,
             "updates": self._n_updates,
             "last_observation": np.asarray(self._last_obs),
@@ -212,6 +246,7 @@ class ResumablePPO(PPO):
         self._n_updates = int(state["updates"])
         self._last_obs = state["last_observation"]
         self._last_episode_starts = state["last_episode_starts"]
+        self._noise.newest = state.get("noise")
         torch.set_rng_state(torch.from_numpy(state["torch"]))
         kind, position, has_gauss, gauss = state["numpy"]
         np.random.set_state((kind, state["numpy_keys"], position, has_gauss, gauss))  # noqa: NPY002

@@ -67,8 +67,9 @@ class Recorder(VecEnv):
         """
         rows = self._episodes
         ends = [(row["row"], row["env"]) for row in rows]
+        rewards = np.concatenate(self._rewards) if self._rewards else np.empty(0)
         outcome = RolloutOutcome(
-            rewards=np.concatenate(self._rewards) if self._rewards else np.empty(0),
+            rewards=rewards,
             episodes=Episodes(
                 step=np.array([row["step"] for row in rows], dtype=np.int64),
                 variant=np.array([row["variant"] for row in rows], dtype=np.float64).reshape(
@@ -80,6 +81,7 @@ class Recorder(VecEnv):
                 diverged=np.array([row["diverged"] for row in rows], dtype=np.bool_),
             ),
             value_errors=None if advantages is None else self._errors.add(advantages, ends),
+            steps_before=self.steps - rewards.size,
         )
         self._forget()
         return outcome

@@ -11,8 +11,11 @@ import torch
 from stable_baselines3.common.buffers import RolloutBuffer
 
 from surmount.core.errors import LearningError
-from surmount.learn.gaussian import log_density_of_noise
+from surmount.learn.advantages import cut_advantages
+from surmount.learn.config import LearnerConfig
+from surmount.learn.gaussian import log_densities_of_noise, log_density_of_noise
 from surmount.learn.mlp import ActorCritic
+from surmount.learn.noise import CorrelatedNoise
 
 VALUED_AT_ONCE = 1024
 """Observations that go through the critic in one product: enough for full speed."""
@@ -32,13 +35,25 @@ class RolloutCollector:
     buffer
         An empty buffer.
     action_space
-        Actions given to the environments are clipped to it, those in the buffer are not.
+        Actions given to the environments are divided as configured and clipped to it, those in the
+        buffer are as drawn.
+    config
+        The learner's; its times in seconds are not read here.
+    noise
+        Correlates the exploration noise over time, going on from the roll-out before.
     """
 
     def __init__(
-        self, networks: ActorCritic, buffer: RolloutBuffer, action_space: gymnasium.spaces.Box
+        self,
+        networks: ActorCritic,
+        buffer: RolloutBuffer,
+        action_space: gymnasium.spaces.Box,
+        config: LearnerConfig,
+        noise: CorrelatedNoise,
     ) -> None:
         self._buffer = buffer
+        self._config = config
+        self._correlated = noise
         self._actor, self._critic = networks.actor.frozen(), networks.critic.frozen()
         self._log_std = networks.log_std.detach().clone()
         self._std = self._log_std.exp()
@@ -52,14 +67,24 @@ class RolloutCollector:
         self._cut_short: list[tuple[int, int]] = []
         self._last_observations: list[np.ndarray] = []
 
-    def act(self, observations: np.ndarray) -> np.ndarray:
-        """Draw actions, shape ``(env, action)``, within the action space."""
+    def act(self, observations: np.ndarray, episode_starts: np.ndarray) -> np.ndarray:
+        """Draw actions, shape ``(env, action)``, within the action space.
+
+        Parameters
+        ----------
+        observations
+            Shape ``(env, observation)``.
+        episode_starts
+            Whether the episodes have just begun, ``(env,)``.
+        """
         noise = self._noise[self._step].normal_()
+        noise.copy_(torch.from_numpy(self._correlated.next(noise.numpy(), episode_starts)))
         self._entries[:] = observations.reshape(self._entries.shape)
         drawn = torch.addcmul(self._actor(self._inputs), self._std, noise).numpy()
         self._buffer.observations[self._step] = observations
         self._buffer.actions[self._step] = drawn
-        return np.minimum(np.maximum(drawn, self._low), self._high)
+        scaled = drawn / self._config.action_divisor
+        return np.minimum(np.maximum(scaled, self._low), self._high)
 
     def add(
         self,
@@ -109,13 +134,28 @@ class RolloutCollector:
                 "An environment returned an observation or a reward that is not finite.",
                 remedy="Let it end the episode before its state is no longer finite.",
             )
-        buffer.log_probs[:] = log_density_of_noise(self._noise, self._log_std).numpy()
+        density = log_densities_of_noise if self._config.clip_per_action else log_density_of_noise
+        buffer.log_probs = density(self._noise, self._log_std).numpy()
         buffer.values[:] = self._value(buffer.observations).reshape(buffer.values.shape)
         if self._cut_short:
             bootstrap = buffer.gamma * self._value(np.stack(self._last_observations))
             steps, envs = np.array(self._cut_short).T
             buffer.rewards[steps, envs] += bootstrap
-        buffer.compute_returns_and_advantage(torch.from_numpy(self._value(observations)), dones)
+        last_values = self._value(observations)
+        if self._config.time_horizon is None:
+            buffer.compute_returns_and_advantage(torch.from_numpy(last_values), dones)
+            return
+        buffer.advantages = cut_advantages(
+            buffer.rewards,
+            buffer.values,
+            buffer.episode_starts.astype(np.bool_),
+            last_values,
+            dones,
+            discount=buffer.gamma,
+            gae_lambda=buffer.gae_lambda,
+            horizon=self._config.time_horizon,
+        )
+        buffer.returns = buffer.advantages + buffer.values
 
     def _value(self, observations: np.ndarray) -> np.ndarray:
         """Return the values of observations, shape ``(row,)``."""

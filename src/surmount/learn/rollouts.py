@@ -14,11 +14,14 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn.mlp import ACTIVATIONS
+from surmount.learn.noise import CorrelatedNoise
 from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.snapshot import (
     Snapshot,
+    action_divisor,
     check_architecture,
     missing_weights,
+    noise_correlation,
     policy_weights,
 )
 from surmount.trials.trials import Trials
@@ -39,6 +42,11 @@ class Actor:
         Snapshot of a trained network.
     observation_space, action_space
         Spaces of a single environment.
+
+    Attributes
+    ----------
+    noise_correlation
+        Correlation from decision to decision of the noise that the network learnt with.
     """
 
     def __init__(
@@ -49,6 +57,8 @@ class Actor:
     ) -> None:
         record = network.record
         check_architecture(network)
+        self.noise_correlation = noise_correlation(network)
+        self._divisor = action_divisor(network)
         self._policy = ActorCriticPolicy(
             observation_space,
             action_space,
@@ -73,7 +83,7 @@ class Actor:
             self._statistics = network.tensors
 
     def act(self, observations: FloatArray, noise: FloatArray | None) -> FloatArray:
-        """Return actions, clipped to the action space.
+        """Return actions, divided as the network learnt it and clipped to the action space.
 
         Parameters
         ----------
@@ -89,7 +99,7 @@ class Actor:
             actions = distribution.mean.numpy()
             if noise is not None:
                 actions = actions + distribution.stddev.numpy() * noise
-        return np.clip(actions, self._space.low, self._space.high)
+        return np.clip(actions / self._divisor, self._space.low, self._space.high)
 
     def _standardise(self, observations: FloatArray) -> np.ndarray:
         if self._statistics is None:
@@ -111,6 +121,9 @@ def roll_out(
     monitor: Monitor,
 ) -> Trials:
     """Run every trial of one network at once and log its features at every control step.
+
+    The policy draws its actions as it did when it learned, with noise correlated over time if it
+    was then.
 
     Parameters
     ----------
@@ -143,6 +156,7 @@ def roll_out(
             remedy="Build the environments for variants x repetitions.",
         )
     rng = np.random.default_rng(seed)
+    correlated = CorrelatedNoise(actor.noise_correlation)
     actions_shape = (trials, *(env.single_action_space.shape or ()))
     observations, infos = env.reset(seed=seed, options={"variant": variant})
     active = np.ones(trials, dtype=np.bool_)
@@ -154,7 +168,8 @@ def roll_out(
         if monitor.should_stop():
             raise Interrupted
         # Noise is drawn for ended trials too, so that a trial's numbers do not depend on others.
-        noise = None if config.deterministic else rng.standard_normal(actions_shape)
+        fresh = None if config.deterministic else rng.standard_normal(actions_shape)
+        noise = None if fresh is None else correlated.next(fresh)
         observations, _, terminated, truncated, infos = env.step(actor.act(observations, noise))
         owner = np.flatnonzero(active)
         owners.append(owner)

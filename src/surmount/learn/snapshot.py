@@ -7,6 +7,7 @@ metadata hold a JSON record with the architecture, so that a snapshot can be use
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,6 +29,11 @@ Tensors = dict[str, np.ndarray]
 SCHEMA = 1
 TRAINED_ON = "trained_on"
 """Key of a network's record: the tasks that it was trained on, where the writer tells."""
+ACTION_DIVISOR = "action_divisor"
+"""Key of a network's record: what draws are divided by before clipping; 1 where it is missing."""
+NOISE = "exploration_noise"
+"""Key of a network's record: how its exploration noise is correlated over time; not at all where it
+is missing. Holds ``correlation_s`` and the ``decision_interval_s`` at which it learnt."""
 _ACTING = ("policy/", "normaliser/observation/")
 _JUDGING = ("policy/value_net.", "policy/mlp_extractor.value_net.")
 
@@ -133,6 +139,51 @@ def check_architecture(network: Snapshot) -> None:
             "The network has weights that are not finite.",
             remedy="Give another network, or train it anew.",
         )
+
+
+def action_divisor(network: Snapshot) -> float:
+    """Return what the network's draws are divided by before they are clipped.
+
+    Raises
+    ------
+    InputError
+        If the record says something else than a positive number.
+    """
+    divisor = network.record.get(ACTION_DIVISOR, 1.0)
+    if not _is_positive(divisor):
+        raise _wrong_record(ACTION_DIVISOR, divisor)
+    return float(divisor)
+
+
+def noise_correlation(network: Snapshot) -> float:
+    """Return the correlation of the network's exploration noise from decision to decision.
+
+    Raises
+    ------
+    InputError
+        If the record does not hold two positive times.
+    """
+    noise = network.record.get(NOISE)
+    if noise is None:
+        return 0.0
+    try:
+        time_s, interval_s = noise["correlation_s"], noise["decision_interval_s"]
+    except (KeyError, TypeError):
+        raise _wrong_record(NOISE, noise) from None
+    if not (_is_positive(time_s) and _is_positive(interval_s)):
+        raise _wrong_record(NOISE, noise)
+    return math.exp(-interval_s / time_s)
+
+
+def _is_positive(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < math.inf
+
+
+def _wrong_record(key: str, value: object) -> InputError:
+    return InputError(
+        f"The network's record says {key} {str(value)[:80]}.",
+        remedy="Give a `network.safetensors` that Surmount wrote.",
+    )
 
 
 def _seal(tensors: Mapping[str, np.ndarray], record: str) -> str:

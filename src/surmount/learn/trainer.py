@@ -100,16 +100,17 @@ class Trainer:
         regions: Regions | None = None,
     ) -> None:
         self._regions = regions
+        rates = config.at_interval(env.decision_interval_s)
         self._recorder = Recorder(env)
         self._normaliser = Normaliser(
             self._recorder,
             observations=config.normalise_observations,
             rewards=config.normalise_rewards,
-            discount=config.discount,
+            discount=rates.discount,
         )
         self._teacher = teacher
         self._config = config
-        self._model = ResumablePPO.build(self._normaliser, config, seed)
+        self._model = ResumablePPO.build(self._normaliser, config, rates, seed)
         if start is not None:
             snapshot.put(start.tensors, self._model, self._normaliser)
             set_random_seed(seed)
@@ -228,7 +229,8 @@ class Trainer:
         if test is not None:
             self._tests.append(test)
             monitor.log(test.sentence)
-            values |= {"eq. 5": test.newest_gain if test.ratio is None else test.ratio}
+            measured = test.newest_gain if test.ratio is None else test.ratio
+            values |= {} if measured is None else {"eq. 5": measured}
         diverged = int(outcome.episodes.diverged.sum())
         if diverged:
             monitor.log(f"{diverged} episode(s) ended because the physics diverged")
@@ -240,11 +242,20 @@ class Trainer:
         )
 
     def _architecture(self) -> dict[str, Any]:
-        return {
-            "hidden_layers": list(self._config.hidden_layers),
-            "activation": self._config.activation,
-            "normalise_observations": self._config.normalise_observations,
+        config = self._config
+        record: dict[str, Any] = {
+            "hidden_layers": list(config.hidden_layers),
+            "activation": config.activation,
+            "normalise_observations": config.normalise_observations,
         }
+        if config.action_divisor != 1.0:
+            record[snapshot.ACTION_DIVISOR] = config.action_divisor
+        if config.noise_correlation_s:
+            record[snapshot.NOISE] = {
+                "correlation_s": config.noise_correlation_s,
+                "decision_interval_s": self._recorder.env.decision_interval_s,
+            }
+        return record
 
     def _save(self, checkpointing: Checkpointing | None) -> None:
         if checkpointing is None or not self._model.has_begun:

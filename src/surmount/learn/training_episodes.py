@@ -29,12 +29,15 @@ class TrainingEpisodes:
         Task of each, ``(episode, parameter)``.
     success
         Whether it succeeded, ``(episode,)``.
+    reward
+        Sum of its unnormalised rewards, ``(episode,)``.
     """
 
     budget: int
     steps: IntArray
     tasks: FloatArray
     success: BoolArray
+    reward: FloatArray
 
 
 def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpisodes:
@@ -48,4 +51,5 @@ def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpis
         steps=table["steps"].to_numpy().astype(np.int64),
         tasks=table.select(columns).to_numpy().astype(np.float64),
         success=table["success"].to_numpy().astype(np.bool_),
+        reward=table["reward"].to_numpy().astype(np.float64),
     )

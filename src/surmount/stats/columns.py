@@ -12,6 +12,9 @@ import numpy as np
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import InputError
 
+ROUNDING = 64 * float(np.finfo(np.float64).eps)
+"""A spread below this share of the largest number involved is none but for rounding."""
+
 LARGEST = 1e100
 """Numbers beyond this are refused: their squares could not be added up."""
 

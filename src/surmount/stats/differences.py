@@ -7,10 +7,9 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import ttest_ind, ttest_rel
 
 from surmount.core.arrays import FloatArray
-from surmount.stats.columns import require_confidence
+from surmount.stats.columns import ROUNDING, require_confidence
 from surmount.stats.result import Result
 from surmount.stats.strata import flat, read_two_arms, sizes, too_few
 
@@ -66,6 +65,8 @@ def network_difference(
     confidence
         Confidence level of the interval.
     """
+    from scipy.stats import ttest_ind, ttest_rel  # noqa: PLC0415 - slow to import
+
     require_confidence(confidence)
     one, two = read_two_arms({"first": first}, {"first": second}, paired=paired)
     reason = too_few(one, two)
@@ -100,4 +101,4 @@ def network_difference(
 def _vary_by_rounding_alone(first: FloatArray, second: FloatArray, *, paired: bool) -> bool:
     largest = float(max(np.abs(first).max(), np.abs(second).max()))
     spreads = [np.ptp(first - second)] if paired else [np.ptp(first), np.ptp(second)]
-    return float(max(spreads)) <= 64 * float(np.finfo(np.float64).eps) * largest
+    return float(max(spreads)) <= ROUNDING * largest

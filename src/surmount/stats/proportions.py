@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from scipy.special import ndtri
-from scipy.stats import chi2
 
 from surmount.core.arrays import IntArray
 from surmount.core.errors import InputError
@@ -109,6 +109,9 @@ def proportion_test(
         Statistic, p-value and interval, or the reason why there are none: where all trials of
         both arms ended alike, the pooled rate has no variance.
     """
+    from scipy.stats import chi2_contingency  # noqa: PLC0415 - slow to import
+    from scipy.stats.contingency import expected_freq  # noqa: PLC0415 - slow to import
+
     require_confidence(confidence)
     won, tried = _trial_counts(successes, totals)
     if won.size != 2:
@@ -119,8 +122,6 @@ def proportion_test(
     rate = won / tried
     difference = float(rate[0] - rate[1])
     outcomes = np.stack([won, tried - won])
-    expected = tried * outcomes.sum(axis=1, keepdims=True) / tried.sum()
-    correction = min(0.5, abs(difference) / float((1 / tried).sum()))
     statistic = p_value = lower = upper = reason = None
     if won.sum() in (0, tried.sum()):
         outcome = "succeeded" if won.any() else "failed"
@@ -129,11 +130,12 @@ def proportion_test(
             "statistic nor interval is defined."
         )
     else:
-        deviation = np.abs(outcomes - expected) - correction
-        statistic = float((deviation**2 / expected).sum())
-        p_value = float(chi2.sf(statistic, 1))
+        # SciPy's result class is made at import, out of sight of type checkers.
+        test = cast(Any, chi2_contingency(outcomes, correction=True))
+        statistic, p_value = float(test.statistic), float(test.pvalue)
         error = float(np.sqrt((rate * (1 - rate) / tried).sum()))
-        width = float(ndtri((1 + confidence) / 2)) * error + correction * float((1 / tried).sum())
+        correction = min(0.5 * float((1 / tried).sum()), abs(difference))
+        width = float(ndtri((1 + confidence) / 2)) * error + correction
         lower, upper = max(difference - width, -1.0), min(difference + width, 1.0)
     return ProportionTest(
         successes=(int(won[0]), int(won[1])),
@@ -146,7 +148,7 @@ def proportion_test(
         statistic=statistic,
         degrees_of_freedom=1,
         p_value=p_value,
-        small_expected_counts=bool((expected < SMALL_EXPECTED_COUNT).any()),
+        small_expected_counts=bool((expected_freq(outcomes) < SMALL_EXPECTED_COUNT).any()),
         reason=reason,
     )
 
@@ -166,19 +168,17 @@ def proportion_intervals(
     confidence
         Confidence level.
     """
+    from scipy.stats import binomtest  # noqa: PLC0415 - slow to import
+
     require_confidence(confidence)
     won, tried = _trial_counts(successes, totals)
-    rate = won / tried
-    square = float(ndtri((1 + confidence) / 2)) ** 2
-    centre = (rate + square / (2 * tried)) / (1 + square / tried)
-    half = np.sqrt(square * (rate * (1 - rate) / tried + square / (4 * tried**2)))
-    half /= 1 + square / tried
-    # At rates of 0 and 1 the limit is the rate itself; rounding must not move it.
-    lower = np.where(won == 0, 0.0, np.maximum(centre - half, 0.0))
-    upper = np.where(won == tried, 1.0, np.minimum(centre + half, 1.0))
+    intervals = [
+        binomtest(k, n).proportion_ci(confidence, method="wilson")
+        for k, n in zip(won.tolist(), tried.tolist(), strict=True)
+    ]
     return ProportionIntervals(
-        proportions=tuple(rate.tolist()),
-        lower=tuple(lower.tolist()),
-        upper=tuple(upper.tolist()),
+        proportions=tuple((won / tried).tolist()),
+        lower=tuple(float(interval.low) for interval in intervals),
+        upper=tuple(float(interval.high) for interval in intervals),
         confidence=confidence,
     )

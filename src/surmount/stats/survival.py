@@ -1,4 +1,8 @@
-"""Completion times with failures censored at the cap: the Kaplan–Meier curve (paper III-E)."""
+"""Completion times with failures censored at the cap: the Kaplan–Meier curve (paper III-E).
+
+The curve is SciPy's. Its limits are R's default, symmetric on the logarithmic scale, which SciPy
+does not offer (it has the plain and the log-log scale, and no median), so they are computed here.
+"""
 
 from __future__ import annotations
 
@@ -108,13 +112,15 @@ def kaplan_meier(time: object, event: object, *, confidence: float = 0.95) -> Ka
     KaplanMeier
         Curve, intervals and median.
     """
+    from scipy.stats import CensoredData, ecdf  # noqa: PLC0415 - slow to import
+
     require_confidence(confidence)
     measured, happened = survival_columns(time, event)
     distinct, index = np.unique(measured, return_inverse=True)
     leaving = np.bincount(index, minlength=distinct.size)
     events = np.bincount(index, weights=happened, minlength=distinct.size).astype(np.int64)
     at_risk = measured.size - np.concatenate([[0], np.cumsum(leaving)[:-1]])
-    survival = np.cumprod(1.0 - events / at_risk).astype(np.float64)
+    survival = ecdf(CensoredData.right_censored(measured, ~happened)).sf.probabilities
     alive = events < at_risk  # only the last time can have none left: the curve is 0 there
     rest = np.where(alive, at_risk - events, 1)
     greenwood = np.cumsum(events / (at_risk * rest)).astype(np.float64)

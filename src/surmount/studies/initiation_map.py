@@ -23,11 +23,15 @@ from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.presets import preset
 from surmount.experiment.task_part import task_part
+from surmount.learn.presets import ML_AGENTS
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.studies.paper.results import PAPER_RESULTS
 from surmount.trials.table import read_trials
 from surmount.workflow.graph import Stage
 from surmount.workflow.store import Artefact
+
+LEARNERS: Mapping[str, Mapping[str, object]] = {"": {}, "ml-agents": ML_AGENTS}
+"""Presets of the learner by name; the default has none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +59,9 @@ class Setting:
 def read_settings(path: Path) -> list[Setting]:
     """Read a TOML file of settings.
 
-    The table ``common`` holds ``obstacles``, ``networks`` (a number) and ``changes``; each table
-    ``settings.<name>`` may hold its own, ``changes`` being added to the common ones.
+    The table ``common`` holds ``obstacles``, ``networks`` (a number, or a list of indices) and
+    ``changes``; each table ``settings.<name>`` may hold its own, ``changes`` being added to the
+    common ones. With ``learner = "ml-agents"`` a setting begins from that preset of the learner.
 
     Raises
     ------
@@ -69,9 +74,13 @@ def read_settings(path: Path) -> list[Setting]:
         return [
             Setting(
                 name=name,
-                changes={**common.get("changes", {}), **own.get("changes", {})},
+                changes={
+                    **_learner(own.get("learner", common.get("learner", ""))),
+                    **common.get("changes", {}),
+                    **own.get("changes", {}),
+                },
                 obstacles=tuple(own.get("obstacles", common.get("obstacles", [*OBSTACLES]))),
-                networks=tuple(range(int(own.get("networks", common.get("networks", 1))))),
+                networks=_networks(own.get("networks", common.get("networks", 1))),
             )
             for name, own in record["settings"].items()
         ]
@@ -81,6 +90,17 @@ def read_settings(path: Path) -> list[Setting]:
             remedy="Write a TOML file with a table [common] and one [settings.NAME] per setting, "
             "as docs/results/initiation-map/settings.toml has them.",
         ) from error
+
+
+def _networks(given: int | list[int]) -> tuple[int, ...]:
+    return tuple(map(int, given)) if isinstance(given, list) else tuple(range(int(given)))
+
+
+def _learner(name: str) -> dict[str, Any]:
+    """Return what a preset of the learner changes, by dotted keys; nothing for the default."""
+    if name not in LEARNERS:
+        raise ValueError(f"there is no learner {name!r}")
+    return dict(LEARNERS[name])
 
 
 def trials_stage(setting: str, obstacle: str, network: int) -> str:
@@ -99,7 +119,7 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
         If a setting changes an unknown key or gives a value that cannot be used.
     """
     graph: list[Stage] = []
-    for network in range(max(len(setting.networks) for setting in settings)):
+    for network in sorted({network for setting in settings for network in setting.networks}):
         for setting in settings:
             if network not in setting.networks:
                 continue

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.errors import InputError
 from surmount.tasks.distribution import TaskDistribution, TaskDistributionRecord
-from surmount.teachers.advancement import AdvancementConfig, gain_ratio, passes
+from surmount.teachers.advancement import AdvancementConfig, deciding_rule, gain_ratio, passes
 from surmount.teachers.draws import Draws
+from surmount.teachers.reward_windows import RewardWindows, make_windows
+from surmount.teachers.sentence import sentence_of
 from surmount.teachers.state import belongs_to, require_same
 from surmount.teachers.teacher import Decision, LevelTest, RolloutOutcome, TeacherStatus
 
@@ -23,8 +26,8 @@ class LevelTeacher:
 
     An iteration ends with the first roll-out that reaches its length, so it may be longer than
     configured by less than one roll-out. The first test of a level, after k steps, compares the
-    first iteration with itself: its ratio is 1, and at least one extension follows wherever the
-    first iteration gained anything.
+    first iteration with itself: its ratio is 1, and an extension follows unless none is allowed
+    (docs/adr/0073).
 
     Parameters
     ----------
@@ -44,7 +47,7 @@ class LevelTeacher:
         self._level = 0
         self._iteration = 0
         self._steps = 0
-        self._first_gain = 0.0
+        self._first_gain: float | None = None
         self._tests: list[LevelTest] = []
         self._draws = Draws(seed)
         self._begin_iteration()
@@ -72,7 +75,7 @@ class LevelTeacher:
         if self._iteration:
             label += f", extension {self._iteration}"
         to_come = (len(self._levels) - self._level - 1) * self._config.iteration_steps
-        left = max(0, self._iteration_length() - self._iteration_steps)
+        left = max(0, self._iteration_length() - self._windows.steps)
         return TeacherStatus(
             label=label,
             steps=self._steps,
@@ -98,19 +101,22 @@ class LevelTeacher:
         *,
         value_error: float | None = None,
     ) -> None:
-        """Take an episode's return as rewards of its decisions; see :attr:`tests` for tests."""
+        """Take an episode that ended with its last decision; see :attr:`tests` for tests."""
         if length > 0:
-            self._take(np.full(length, episode_return / length))
+            rewards = np.full(length, episode_return / length)
+            self._take(rewards, np.array([length]), np.array([float(episode_return)]))
 
     def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
         """Take the rewards of a roll-out; test the level where an iteration has ended."""
-        return self._take(outcome.rewards)
+        ends = outcome.episodes.step - outcome.steps_before
+        return self._take(outcome.rewards, ends, outcome.episodes.reward)
 
-    def _take(self, rewards: FloatArray) -> LevelTest | None:
+    def _take(self, rewards: FloatArray, ends: IntArray, returns: FloatArray) -> LevelTest | None:
         if self.finished:
             return None
-        self._collect(rewards)
-        if self._iteration_steps < self._iteration_length():
+        self._windows.add(rewards, ends, returns)
+        self._steps += rewards.size
+        if self._windows.steps < self._iteration_length():
             return None
         test = self._test()
         self._tests.append(test)
@@ -130,10 +136,9 @@ class LevelTeacher:
             "iteration": self._iteration,
             "steps": self._steps,
             "draws": self._draws.calls,
-            "iteration_steps": self._iteration_steps,
+            "measure": self._config.measure,
+            "windows": self._windows.state_dict(),
             "first_gain": self._first_gain,
-            "head": self._head.tolist(),
-            "tail": self._tail.tolist(),
             "tests": [asdict(test) for test in self._tests],
         }
 
@@ -143,50 +148,52 @@ class LevelTeacher:
         Raises
         ------
         InputError
-            If the state was saved by another teacher or under another curriculum.
+            If the state was saved by another teacher, under another curriculum, or with another
+            measure of reward.
         """
         require_same(state, _NAME, self._tasks())
+        # States from before there was a choice are by steps, with the windows among the rest.
+        measure = state.get("measure", "step")
+        if measure != self._config.measure:
+            raise InputError(
+                f"The saved progress measures reward by {measure}, not by {self._config.measure}.",
+                remedy=f"Resume with `advancement.measure={measure}`, or start afresh.",
+            )
+        windows = state.get("windows")
+        if windows is None:
+            windows = {key: state[key] for key in ("head", "tail")}
+            windows["steps"] = state["iteration_steps"]
         self._level = int(state["level"])
         self._iteration = int(state["iteration"])
         self._steps = int(state["steps"])
         self._draws.calls = int(state.get("draws", 0))
-        self._iteration_steps = int(state["iteration_steps"])
-        self._first_gain = float(state["first_gain"])
-        self._head = np.asarray(state["head"], dtype=np.float64)
-        self._tail = np.asarray(state["tail"], dtype=np.float64)
+        first_gain = state["first_gain"]
+        self._first_gain = None if first_gain is None else float(first_gain)
+        self._windows.load_state_dict(windows)
         self._tests = [LevelTest(**test) for test in state["tests"]]
 
     def _tasks(self) -> list[TaskDistributionRecord]:
         return [level.to_record() for level in self._levels]
 
     def _begin_iteration(self) -> None:
-        self._iteration_steps = 0
-        self._head: FloatArray = np.empty(0)
-        self._tail: FloatArray = np.empty(0)
+        config = self._config
+        self._windows: RewardWindows = make_windows(config.measure, config.window_steps)
 
     def _iteration_length(self) -> int:
         first = self._iteration == 0
         return self._config.iteration_steps if first else self._config.extension_steps
 
-    def _collect(self, rewards: FloatArray) -> None:
-        window = self._config.window_steps
-        self._steps += rewards.size
-        self._iteration_steps += rewards.size
-        self._head = np.concatenate([self._head, rewards[: window - self._head.size]])
-        self._tail = np.concatenate([self._tail, rewards])[-window:]
-
     def _test(self) -> LevelTest:
-        config = self._config
-        first_window, last_window = float(self._head.sum()), float(self._tail.sum())
-        newest_gain = last_window - first_window
+        config, windows = self._config, self._windows.read()
         if self._iteration == 0:
-            self._first_gain = newest_gain
-        ratio = gain_ratio(self._first_gain, newest_gain, gain_floor=config.gain_floor)
+            self._first_gain = windows.gain
+        first, newest, floor = self._first_gain, windows.gain, config.gain_floor
         passed = passes(
-            self._first_gain,
-            newest_gain,
+            first,
+            newest,
+            iteration=self._iteration,
             threshold=config.threshold,
-            gain_floor=config.gain_floor,
+            gain_floor=floor,
         )
         decision: Decision
         if passed:
@@ -195,49 +202,21 @@ class LevelTeacher:
             decision = "advance at the limit"
         else:
             decision = "extend"
-        return LevelTest(
+        test = LevelTest(
             level=self._level,
             iteration=self._iteration,
             steps=self._steps,
-            first_window=first_window,
-            last_window=last_window,
-            first_gain=self._first_gain,
-            newest_gain=newest_gain,
-            ratio=ratio,
+            first_window=windows.first,
+            last_window=windows.last,
+            first_gain=first,
+            newest_gain=newest,
+            ratio=gain_ratio(first, newest, gain_floor=floor),
             threshold=config.threshold,
             decision=decision,
-            sentence=self._sentence(first_window, last_window, newest_gain, ratio, decision),
+            sentence="",
+            measure=config.measure,
+            first_episodes=windows.first_episodes,
+            last_episodes=windows.last_episodes,
+            rule=deciding_rule(first, newest, iteration=self._iteration, gain_floor=floor),
         )
-
-    def _sentence(
-        self,
-        first_window: float,
-        last_window: float,
-        newest_gain: float,
-        ratio: float | None,
-        decision: Decision,
-    ) -> str:
-        config = self._config
-        iteration = f"extension {self._iteration}" if self._iteration else "first iteration"
-        if ratio is None:
-            verdict = (
-                f"the level's first gain {self._first_gain:+.4g} is not above "
-                f"{config.gain_floor:g}, so the newest gain decides"
-            )
-        else:
-            verdict = (
-                f"newest gain / first gain = {newest_gain:+.4g} / {self._first_gain:+.4g} "
-                f"= {ratio:.3f}, threshold {config.threshold:g}"
-            )
-        action = {
-            "advance": "passed: go on to the next level",
-            "extend": f"not passed: extend by {config.extension_steps:,} steps",
-            "advance at the limit": (
-                f"not passed after {config.max_extensions} extensions: go on all the same"
-            ),
-        }[decision]
-        return (
-            f"level {self._level + 1}, {iteration}, {self._steps:,} steps: reward over the first "
-            f"and last {config.window_steps:,} steps rF = {first_window:.4g}, "
-            f"rL = {last_window:.4g}; {verdict}; {action}"
-        )
+        return replace(test, sentence=sentence_of(test, windows, config))

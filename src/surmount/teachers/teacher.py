@@ -17,6 +17,10 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.tasks.distribution import TaskDistribution
 
 Decision = Literal["advance", "extend", "advance at the limit"]
+RewardMeasure = Literal["episode", "step"]
+"""What r of eq. 5 is: the mean reward of episodes, or the sum of rewards of learning steps."""
+Rule = Literal["first test", "ratio", "newest gain", "no gain"]
+"""What decided a level test, see :attr:`LevelTest.rule`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,11 +65,14 @@ class RolloutOutcome:
     value_errors
         Mean magnitude of the generalised advantage over each episode's decisions, ``(episode,)``:
         how much the learner's critic erred on it. ``None`` from learners without a critic.
+    steps_before
+        Learning steps before the roll-out, on the count of ``episodes.step``.
     """
 
     rewards: FloatArray
     episodes: Episodes
     value_errors: FloatArray | None = None
+    steps_before: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,32 +86,50 @@ class LevelTest:
     steps
         Learning steps since the teacher began.
     first_window, last_window
-        Reward sums over the first and the last W learning steps of the newest iteration, rF, rL.
+        rF and rL: r over the first and the last W learning steps of the newest iteration. By
+        episodes, the mean of the unnormalised episode rewards, ``None`` where none ended; by
+        steps, the sum of the unnormalised rewards of the W learning steps.
     first_gain
-        rL − rF of the level's first iteration.
+        rL − rF of the level's first iteration; ``None`` where it cannot be told.
     newest_gain
-        rL − rF of the newest iteration.
+        rL − rF of the newest iteration; ``None`` where no episode ended in it, or both windows
+        hold the same episodes.
     ratio
-        ``newest_gain / first_gain``, or ``None`` where the first gain is not above the floor.
+        ``newest_gain / first_gain``; ``None`` where the first gain is not above the floor, or
+        either gain is ``None``.
     threshold
         The level is passed where the ratio is below it.
     decision
         What was decided.
     sentence
         The same for people.
+    measure
+        What r is. Records from before there was a choice have no entry: they are by steps.
+    first_episodes, last_episodes
+        Episodes whose rewards rF and rL are means of; ``None`` by steps.
+    rule
+        What decided. ``"first test"``: the first iteration is compared with itself, its ratio is 1
+        and it never passes. ``"ratio"``: eq. 5. ``"newest gain"``: the first gain is not above
+        the floor, and the level is passed where the newest is not either. ``"no gain"``: the
+        newest gain cannot be told, and the level is extended. ``None`` in records from before
+        rules were recorded, in which a first test whose gain was not above the floor passed.
     """
 
     level: int
     iteration: int
     steps: int
-    first_window: float
-    last_window: float
-    first_gain: float
-    newest_gain: float
+    first_window: float | None
+    last_window: float | None
+    first_gain: float | None
+    newest_gain: float | None
     ratio: float | None
     threshold: float
     decision: Decision
     sentence: str
+    measure: RewardMeasure = "step"
+    first_episodes: int | None = None
+    last_episodes: int | None = None
+    rule: Rule | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,8 +188,9 @@ class Teacher(Protocol):
     ) -> None:
         """Take one episode that ended, in a loop that knows no roll-outs.
 
-        Its decisions count as learning steps, and its return is taken to be spread evenly over
-        them. A training tells a teacher of episodes or of roll-outs, never of both.
+        Its decisions count as learning steps, and it ends with the last of them; where single
+        rewards matter its return is taken to be spread evenly over them. A training tells a
+        teacher of episodes or of roll-outs, never of both.
 
         Parameters
         ----------

@@ -14,7 +14,7 @@ from typing import Any
 import polars as pl
 
 from surmount.report.results import RunResults, read_run
-from surmount.report.sections.gain_noise import CLEAR, gain_noise
+from surmount.report.sections.gain_noise import CLEAR, noise_of_test
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.regions import Regions
 
@@ -28,7 +28,6 @@ def levels(results: RunResults) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     names = [group.name for group in curriculum.groups]
     for network, training in sorted(results.trainings["curriculum"].items()):
-        noise = gain_noise(training, settings["window_steps"])
         episodes = training.record
         groups = Regions.of(curriculum).index(episodes.tasks)
         begun = 0
@@ -39,7 +38,9 @@ def levels(results: RunResults) -> list[dict[str, Any]]:
             own = groups == names.index(curriculum.levels[level].dominant)
             own &= episodes.steps > since
             own &= episodes.steps <= last.steps
-            clear = None if noise is None else abs(first.first_gain) >= CLEAR * noise
+            noise = noise_of_test(first, training, settings["window_steps"])
+            told = None not in (noise, first.first_gain)
+            clear = abs(first.first_gain) >= CLEAR * noise if told else None
             rows.append(settings | {
                 "network": network,
                 "level": level + 1,

@@ -100,8 +100,13 @@ def curves_of(trainings: Trainings, network: int, measure: Measure) -> list[Curv
 
 def level_of_rollouts(training: TrainingResult, rows: list[int]) -> IntArray:
     """Return how many levels had been left before each of these roll-outs began."""
+    return levels_left_before(training, training.steps[rows])
+
+
+def levels_left_before(training: TrainingResult, steps: IntArray) -> IntArray:
+    """Return how many levels had been left before each of these learning steps was made."""
     ends = [test.steps for test in training.level_tests if test.decision != "extend"]
-    return np.searchsorted(ends, training.steps[rows], side="left").astype(np.int64)
+    return np.searchsorted(ends, steps, side="left").astype(np.int64)
 
 
 def tests_of(trainings: Trainings, network: int) -> list[tuple[int, LevelTest]]:
@@ -130,8 +135,9 @@ def learning_data(
     columns: dict[str, list[object]] = {
         name: []
         for name in ("kind", "network", "stage", "steps", measure, "running_mean", "level",
-                     "iteration", "first_window", "last_window", "first_gain", "newest_gain",
-                     "ratio", "threshold", "decision")
+                     "iteration", "measure", "first_window", "last_window", "first_episodes",
+                     "last_episodes", "first_gain", "newest_gain", "ratio", "threshold", "rule",
+                     "decision")
     }  # fmt: skip
     for network, curves in drawn.items():
         for curve in curves:
@@ -147,8 +153,9 @@ def learning_data(
                 **{measure: curve.values.tolist()},
             )
         tests = tests_of(trainings, network)
-        fields = ("level", "iteration", "first_window", "last_window", "first_gain",
-                  "newest_gain", "ratio", "threshold", "decision")  # fmt: skip
+        fields = ("level", "iteration", "measure", "first_window", "last_window",
+                  "first_episodes", "last_episodes", "first_gain", "newest_gain", "ratio",
+                  "threshold", "rule", "decision")  # fmt: skip
         _extend(
             columns,
             len(tests),

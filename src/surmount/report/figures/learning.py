@@ -66,7 +66,7 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
             if first
             else "Success of the training episodes"
         ),
-        caption=_caption(drawn, measure),
+        caption=(*_caption(drawn, measure), *_about_tests(drawn, trainings, measure)),
         alternative=(
             f"For each of {counted(len(drawn), 'network')}, {TITLES[measure]} over learning steps: "
             "initiation, then curriculum and control from the same network, with the curriculum's "
@@ -126,8 +126,20 @@ def _caption(drawn: Mapping[int, list[Curve]], measure: Measure) -> tuple[str, .
         lines,
         "Shaded: the levels of the curriculum. The control learns as long, on uniform variants.",
         shown,
-        "Hovering over a mark shows what eq. 5 measured and decided.",
     )
+
+
+def _about_tests(
+    drawn: Mapping[int, list[Curve]], trainings: Trainings, measure: Measure
+) -> tuple[str, ...]:
+    tests = [test for network in drawn for _, test in tests_of(trainings, network)]
+    hint = "Hovering over a mark shows what eq. 5 measured and decided."
+    if measure == "reward" and any(test.measure == "episode" for test in tests):
+        return (
+            "The curves are rewards per learning step; eq. 5 compares mean rewards of episodes.",
+            hint,
+        )
+    return (hint,)
 
 
 def _panel(

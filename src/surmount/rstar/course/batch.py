@@ -100,6 +100,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         if num_envs < 1:
             raise ConfigError(f"`num_envs` is {num_envs}.", remedy="Give 1 or more.")
         self.config = config or EnvConfig()
+        self.decision_interval_s = self.config.decision_interval_s
         self.obstacle = find_obstacle(obstacle)
         self.num_envs = num_envs
         self.render_mode = render_mode

@@ -8,6 +8,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
+from surmount.learn.noise import CorrelatedNoise
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.course.batch import ObstacleVectorEnv
@@ -65,6 +66,7 @@ class PolicyPilot:
         actions: Any = env.single_action_space
         self._actor = Actor(network, env.single_observation_space, actions)
         self._rng = None if deterministic else np.random.default_rng(seed)
+        self._correlated = CorrelatedNoise(self._actor.noise_correlation)
         self._trial = trial
         self._rows: FloatArray = np.zeros((trials, len(terms)))
         self._noise_shape = (trials, *(env.single_action_space.shape or ()))
@@ -72,6 +74,8 @@ class PolicyPilot:
     def __call__(self, observations: Observations, x_m: FloatArray) -> FloatArray:
         """Return the actions of this decision, shape ``(1, 3)``."""
         del x_m
-        noise = None if self._rng is None else self._rng.standard_normal(self._noise_shape)
+        noise = None
+        if self._rng is not None:
+            noise = self._correlated.next(self._rng.standard_normal(self._noise_shape))
         self._rows[self._trial] = observations[0]
         return self._actor.act(self._rows, noise)[self._trial : self._trial + 1]

@@ -9,17 +9,11 @@ from typing import get_args
 import numpy as np
 
 from surmount.core.errors import InputError
-from surmount.stats.cells import CellMean, Cells, Interaction, MethodContrast
-from surmount.stats.columns import (
-    Table,
-    column,
-    labels,
-    numbers,
-    require_confidence,
-    require_same_length,
-)
-from surmount.stats.inference import DegreesOfFreedom, means_law
-from surmount.stats.random_intercept import RandomInterceptFit, decompose, fit, undefined
+from surmount.stats.columns import Table, require_confidence
+from surmount.stats.mixed.cells import CellMean, Cells, Interaction, MethodContrast
+from surmount.stats.mixed.design import read_design
+from surmount.stats.mixed.inference import DegreesOfFreedom, means_law
+from surmount.stats.mixed.random_intercept import RandomInterceptFit, decompose, fit, undefined
 from surmount.stats.result import Result
 
 SINGULAR_RATIO = 1e-8
@@ -125,22 +119,23 @@ def mixed_model(
             f"There is no rule `{degrees_of_freedom}` for degrees of freedom.",
             remedy=f"Choose among {', '.join(get_args(DegreesOfFreedom))}.",
         )
-    measured = numbers(column(table, response), response)
-    grouped = labels(column(table, group), group, order=groups)
-    treated = labels(column(table, method), method, order=methods)
-    network = labels(column(table, subject), subject)
-    lengths = {
-        response: measured, group: grouped.codes, method: treated.codes, subject: network.codes
-    }  # fmt: skip
-    require_same_length(**lengths)
-
+    design = read_design(
+        table,
+        response=response,
+        group=group,
+        method=method,
+        subject=subject,
+        groups=groups,
+        methods=methods,
+    )
+    grouped, treated, network = design.group, design.method, design.subject
     n_methods = len(treated.names)
     cell = grouped.codes * n_methods + treated.codes  # index into all cells, empty ones included
     present, compact = np.unique(cell, return_inverse=True)
-    data = decompose(measured, compact.astype(np.int64), network.codes)
+    data = decompose(design.response, compact.astype(np.int64), network.codes)
     reason = undefined(data)
     fitted = fit(data) if reason is None else None
-    law = means_law(fitted, degrees_of_freedom) if fitted is not None else None
+    law = fitted and means_law(fitted, degrees_of_freedom)
     cells = Cells(
         groups=grouped.names,
         methods=treated.names,
@@ -157,14 +152,14 @@ def mixed_model(
         groups=grouped.names,
         methods=treated.names,
         subjects=network.names,
-        n_rows=int(measured.size),
+        n_rows=int(design.response.size),
         degrees_of_freedom_rule=degrees_of_freedom,
         confidence=confidence,
-        subject_variance=None if fitted is None else fitted.subject_variance,
-        residual_variance=None if fitted is None else fitted.residual_variance,
-        reml_criterion=None if fitted is None else fitted.criterion,
+        subject_variance=fitted and fitted.subject_variance,
+        residual_variance=fitted and fitted.residual_variance,
+        reml_criterion=fitted and fitted.criterion,
         singular=singular,
-        singular_note=_singular_note(fitted) if fitted is not None and singular else None,
+        singular_note=_singular_note(fitted) if fitted and singular else None,
         means=cells.means(),
         contrasts=cells.contrasts(),
         interaction=cells.interaction(),

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.stats.inference import MeansLaw, estimate, joint_test
+from surmount.stats.mixed.inference import Estimate, MeansLaw, estimate, joint_test
 from surmount.stats.result import Result
 
 
@@ -102,23 +102,27 @@ class Cells:
 
     def _mean(self, group: int, method: int) -> CellMean:
         position = self._position(group, method)
-        value = error = degrees = lower = upper = None
-        if position is not None and self.law is None:
-            value = float(self.arithmetic_means[position])
-        elif position is not None and self.law is not None:
-            found = estimate(self.law, np.eye(self.present.size)[position], self.confidence)
-            value, error, degrees = found.value, found.std_error, found.degrees_of_freedom
-            lower, upper = found.lower, found.upper
+        weights = None if position is None else np.eye(self.present.size)[position]
+        value, found = self._estimate(weights)
         return CellMean(
             group=self.groups[group],
             method=self.methods[method],
             n_rows=0 if position is None else int(self.counts[position]),
             estimate=value,
-            std_error=error,
-            degrees_of_freedom=degrees,
-            lower=lower,
-            upper=upper,
+            std_error=found and found.std_error,
+            degrees_of_freedom=found and found.degrees_of_freedom,
+            lower=found and found.lower,
+            upper=found and found.upper,
         )
+
+    def _estimate(self, weights: FloatArray | None) -> tuple[float | None, Estimate | None]:
+        """Return a contrast's value, if its cells have rows, and what the law says of it."""
+        if weights is None:
+            return None, None
+        if self.law is None:
+            return float(weights @ self.arithmetic_means), None
+        found = estimate(self.law, weights, self.confidence)
+        return found.value, found
 
     def contrasts(self) -> tuple[MethodContrast, ...]:
         """Return the difference of every pair of methods within every group."""
@@ -128,8 +132,7 @@ class Cells:
 
     def _contrast(self, group: int, method: int, reference: int) -> MethodContrast:
         first, second = self._position(group, method), self._position(group, reference)
-        value = error = degrees = t = p_value = lower = upper = None
-        reason = self.reason
+        reason, weights = self.reason, None
         if first is None or second is None:
             empty = [
                 self.methods[index]
@@ -137,24 +140,20 @@ class Cells:
                 if position is None
             ]
             reason = f"Group `{self.groups[group]}` has no row of {' nor of '.join(empty)}."
-        elif self.law is None:
-            value = float(self.arithmetic_means[first] - self.arithmetic_means[second])
         else:
             weights = np.eye(self.present.size)[first] - np.eye(self.present.size)[second]
-            found = estimate(self.law, weights, self.confidence)
-            value, error, degrees = found.value, found.std_error, found.degrees_of_freedom
-            t, p_value, lower, upper = found.t, found.p_value, found.lower, found.upper
+        value, found = self._estimate(weights)
         return MethodContrast(
             group=self.groups[group],
             method=self.methods[method],
             reference=self.methods[reference],
             estimate=value,
-            std_error=error,
-            degrees_of_freedom=degrees,
-            t=t,
-            p_value=p_value,
-            lower=lower,
-            upper=upper,
+            std_error=found and found.std_error,
+            degrees_of_freedom=found and found.degrees_of_freedom,
+            t=found and found.t,
+            p_value=found and found.p_value,
+            lower=found and found.lower,
+            upper=found and found.upper,
             reason=reason,
         )
 
@@ -176,10 +175,10 @@ class Cells:
                     "the joint test."
                 )
         return Interaction(
-            statistic=None if found is None else found.statistic,
-            numerator_df=None if found is None else found.numerator_df,
-            denominator_df=None if found is None else found.denominator_df,
-            p_value=None if found is None else found.p_value,
+            statistic=found and found.statistic,
+            numerator_df=found and found.numerator_df,
+            denominator_df=found and found.denominator_df,
+            p_value=found and found.p_value,
             reason=reason,
         )
 

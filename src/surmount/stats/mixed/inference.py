@@ -21,11 +21,10 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.stats import f as f_law
-from scipy.stats import t as t_law
+from scipy.special import fdtrc, stdtr, stdtrit  # laws of F and t; scipy.stats is slow to import
 
 from surmount.core.arrays import FloatArray
-from surmount.stats.random_intercept import RandomInterceptFit
+from surmount.stats.mixed.random_intercept import RandomInterceptFit
 
 DegreesOfFreedom: TypeAlias = Literal["kenward-roger", "satterthwaite"]
 
@@ -184,7 +183,7 @@ def estimate(law: MeansLaw, contrast: FloatArray, confidence: float) -> Estimate
     std_error = unit * float(np.sqrt(single.reported[0, 0]))
     degrees = _single_degrees(single, np.ones(1))
     t = value / std_error
-    width = float(t_law.ppf((1 + confidence) / 2, degrees)) * std_error
+    width = float(stdtrit(degrees, (1 + confidence) / 2)) * std_error
     return Estimate(
         value=value,
         std_error=std_error,
@@ -192,7 +191,7 @@ def estimate(law: MeansLaw, contrast: FloatArray, confidence: float) -> Estimate
         lower=value - width,
         upper=value + width,
         t=t,
-        p_value=2 * float(t_law.sf(abs(t), degrees)),
+        p_value=2 * float(stdtr(degrees, -abs(t))),
     )
 
 
@@ -228,7 +227,7 @@ def joint_test(law: MeansLaw, contrasts: FloatArray) -> JointTest | None:
         statistic=statistic,
         numerator_df=count,
         denominator_df=degrees,
-        p_value=float(f_law.sf(statistic, count, degrees)),
+        p_value=float(fdtrc(count, degrees, statistic)),
     )
 
 

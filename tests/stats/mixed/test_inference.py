@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_random_intercept import random_data
 
-from surmount.stats.inference import contrast_law, estimate, means_law
-from surmount.stats.random_intercept import decompose, fit
+from surmount.stats.mixed.inference import contrast_law, estimate, means_law
+from surmount.stats.mixed.random_intercept import decompose, fit
 
 
 def kenward_roger_of_the_paper(tau, s, cell, subject):

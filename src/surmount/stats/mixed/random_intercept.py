@@ -22,12 +22,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.stats.columns import ROUNDING
 
 RANK_TOLERANCE = 1e-10
 """An eigenvalue λ below this share of the largest subject's count is zero but for rounding."""
-
-EXACT_TOLERANCE = 64 * float(np.finfo(np.float64).eps)
-"""A residual deviation below this share of the largest response is zero but for rounding."""
 
 RATIO_DECADES = 30
 """ρ is searched from 10⁻³⁰/λ to 10³⁰/λ: doubles resolve ratios of variances no further."""
@@ -130,7 +128,7 @@ def undefined(data: Decomposition) -> str | None:
             "There are too few rows: once cells and networks are accounted for, none is left to "
             "estimate the variance within networks."
         )
-    if np.sqrt(data.residual_sum / data.residual_df) <= EXACT_TOLERANCE * data.largest:
+    if np.sqrt(data.residual_sum / data.residual_df) <= ROUNDING * data.largest:
         return (
             "The response does not vary within networks, so there is no residual variance to "
             "compare differences with."

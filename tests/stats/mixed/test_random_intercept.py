@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surmount.stats.random_intercept import decompose, fit, profile_deviance, undefined
+from surmount.stats.mixed.random_intercept import decompose, fit, profile_deviance, undefined
 
 
 def random_data(seed, n_rows=40, n_cells=4, n_subjects=5, network_sd=1.0):
