@@ -144,6 +144,29 @@ def test_a_policy_moves_as_in_a_roll_out_with_the_same_seed(root, network):
     assert motion.caption == "initiation/network-0, its mean actions"
 
 
+def test_a_policy_with_correlated_noise_moves_as_in_its_roll_out(network, tmp_path):
+    trained = Snapshot.load(network)
+    noise = {"correlation_s": 0.5, "decision_interval_s": 0.1}
+    record = {**trained.record, "exploration_noise": noise, "action_divisor": 3.0}
+    mine = Snapshot(tensors=trained.tensors, record=record)
+    mine.save(tmp_path / "mine.safetensors")
+    env = obstacle_family("narrow-channel", CONFIG.env).trial_env(1)
+    actor = Actor(mine, env.single_observation_space, env.single_action_space)
+    rolled = roll_out(
+        env,
+        actor,
+        np.array([[220.0]]),
+        RolloutConfig(repetitions=1),
+        network=0,
+        seed=5,
+        monitor=SilentMonitor(),
+    )
+    (motion,) = shown(tmp_path / "mine.safetensors", sizes_mm=(220.0,), seed=5)
+    np.testing.assert_array_equal(motion.features, rolled.features)
+    (white,) = shown(network, sizes_mm=(220.0,), seed=5)
+    assert not np.array_equal(white.features[:10], motion.features[:10])
+
+
 def test_files_of_a_run_take_its_configuration_which_may_be_changed(root):
     (motion,) = shown(root)
     assert motion.config == CONFIG.env

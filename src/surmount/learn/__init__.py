@@ -1,4 +1,4 @@
-"""PPO through Stable-Baselines3, roll-outs and checkpoints."""
+"""PPO through Stable-Baselines3 or like ML-Agents', roll-outs and checkpoints."""
 
 from surmount.learn.callback import TeacherCallback
 from surmount.learn.config import LearnerConfig
