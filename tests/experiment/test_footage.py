@@ -59,6 +59,31 @@ def test_a_trial_simulated_again_equals_its_log_to_the_last_bit(root, table):
         assert motion.success == trials.success[trial]
 
 
+def test_a_log_whose_distance_leaves_out_the_height_is_known_as_such(root, table):
+    trials = read_trials(table)
+    log = run_log(open_run(root), "trials/network-0", trials, "log")
+    motion = logged_motion(log, 2)
+    rows = slice(trials.starts[2], trials.starts[3])
+    x_m, y_m = motion.qpos[:: CONFIG.env.ticks_per_decision, :2].T
+    older = trials.features.copy()
+    ahead_m = CONFIG.env.course.target_m - x_m
+    older[rows, 3] = np.sqrt(ahead_m * ahead_m + y_m * y_m)
+    assert np.abs(older[rows, 3] - trials.features[rows, 3]).max() > 1e-6
+    again = logged_motion(replace(log, trials=replace(trials, features=older)), 2)
+    assert again.caption.endswith("equal to its log, whose distance leaves out the height")
+    np.testing.assert_array_equal(again.qpos, motion.qpos)
+
+
+def test_a_network_that_observes_targets_acts_as_in_its_roll_out(tmp_path):
+    changes = {"env.observe_targets": True, "env.episode_s": 1.0, "initial_steps": 0}
+    root = run_first_stages(tmp_path / "run", small_config(networks=1, **changes))
+    (motion,) = shown(root, stage="trials/network-0")
+    assert motion.caption.endswith("simulated again: equal to its log")
+    (network,) = root.glob("stages/initiation/**/network.safetensors")
+    with pytest.raises(InputError, match="takes 9 observations, and narrow-channel has 6"):
+        shown(shutil.copy(network, tmp_path), changes={"env.observe_targets": False})
+
+
 def test_a_trial_of_a_shard_is_simulated_again_with_the_shards_seed(tmp_path):
     shards = {"trials.repetitions": 3, "tests.repetitions": 2, "rollout_shards": 2}
     config = small_config(networks=1, initial_steps=0, **{"env.episode_s": 1.0}, **shards)

@@ -197,6 +197,20 @@ def test_shards_of_trials_have_seeds_of_their_own_and_together_every_repetition(
     assert len(set(seeds)) == len(seeds)
 
 
+@pytest.mark.parametrize(
+    ("obstacle", "changes", "harder"),
+    [
+        ("step", {}, [1]),
+        ("narrow-channel", {}, [-1]),
+        ("step", {"analysis.harder": [-1]}, [-1]),
+    ],
+)
+def test_the_analysis_is_told_the_direction_of_difficulty(obstacle, changes, harder):
+    graph = protocol(small_config(obstacle, **changes))
+    (analysis,) = (stage for stage in graph if stage.name == "analysis")
+    assert analysis.config["analysis"]["harder"] == harder
+
+
 def test_one_shard_leaves_every_stage_as_it_was():
     config = small_config()
     assert config.rollout_shards == 1

@@ -28,6 +28,7 @@ from surmount.experiment import stages
 from surmount.experiment.graph import Stage
 from surmount.experiment.presets import preset
 from surmount.experiment.task_family import task_part
+from surmount.experiment.trial_stages import TRIALS_VERSION
 from surmount.learn.presets import ML_AGENTS
 
 LEARNERS: Mapping[str, Mapping[str, object]] = {"": {}, "ml-agents": ML_AGENTS}
@@ -146,6 +147,7 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                     Stage(
                         name=trials_stage(setting.name, obstacle, network),
                         function=stages.run_trials,
+                        version=TRIALS_VERSION,
                         config=task | {"trials": record["trials"], "network": network},
                         seed=derive_seed(config.seed, obstacle, "map trials", network),
                         inputs={"network": (name,)},

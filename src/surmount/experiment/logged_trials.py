@@ -12,6 +12,7 @@ from surmount.core.errors import InputError
 from surmount.core.run_folder import RunFolder
 from surmount.core.trials import Trials
 from surmount.envs import EnvConfig, Obstacle, find_obstacle
+from surmount.envs.measures import FEATURE_NAMES
 from surmount.envs.motion import Motion, record_motion
 from surmount.envs.replay import CAPTION, logged_features, replay_log
 from surmount.experiment.config import ExperimentConfig
@@ -77,8 +78,8 @@ def logged_motion(log: Log, trial: int) -> Motion:
     """Return the motion of a logged trial.
 
     A trial of a run is simulated again, with the same network, seed and noise. It is shown if its
-    features equal the log to the last bit. Other trials are drawn from the log, and the caption
-    says so.
+    features equal the log to the last bit; older logs hold the distance in the horizontal plane,
+    and theirs is compared with that. Other trials are drawn from the log, and the caption says so.
 
     Parameters
     ----------
@@ -93,10 +94,27 @@ def logged_motion(log: Log, trial: int) -> Motion:
     again = _simulated(log, trial, size_mm)
     if again is not None and np.array_equal(again.features, features):
         return replace(again, caption=f"{name}, simulated again: equal to its log")
+    if again is not None and np.array_equal(_in_the_plane(again), features):
+        equal = "equal to its log, whose distance leaves out the height"
+        return replace(again, caption=f"{name}, simulated again: {equal}")
     success = bool(log.trials.success[trial])
     drawn = replay_log(log.obstacle, log.config, size_mm, features, success=success)
     reason = "" if again is None else f"; simulated again, it departs {_departure(again, features)}"
     return replace(drawn, caption=f"{name}, {CAPTION}{reason}")
+
+
+def _in_the_plane(motion: Motion) -> FloatArray:
+    """Return a motion's features with the distance in the horizontal plane, shape ``(step, 4)``."""
+    at_decisions = motion.qpos[:: motion.config.ticks_per_decision, :2]
+    if len(at_decisions) < len(motion.features):  # the last decision diverged and was undone
+        at_decisions = np.concatenate([at_decisions, at_decisions[-1:]])
+    x_m, y_m = at_decisions.T
+    square = motion.config.course.target_m - x_m
+    square *= square
+    square += y_m * y_m
+    features = motion.features.copy()
+    features[:, FEATURE_NAMES.index("distance_m")] = np.sqrt(square)
+    return features
 
 
 def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
@@ -115,6 +133,7 @@ def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
     pilot = PolicyPilot(
         Snapshot.load(made.path(NETWORK)),
         log.obstacle,
+        log.config,
         seed=stage.seed,
         deterministic=rollout.deterministic,
         trials=int(shard.sum()),

@@ -26,8 +26,8 @@ class PolicyPilot:
     ----------
     network
         The network.
-    obstacle
-        Family that it acts on.
+    obstacle, config
+        Family and configuration that it acts on.
     seed
         Seed of the roll-out.
     deterministic
@@ -45,6 +45,7 @@ class PolicyPilot:
         self,
         network: Snapshot,
         obstacle: Obstacle,
+        config: EnvConfig,
         *,
         seed: int,
         deterministic: bool,
@@ -52,13 +53,13 @@ class PolicyPilot:
         trial: int = 0,
     ) -> None:
         inputs = network.tensors[INPUT_LAYER].shape[1] if INPUT_LAYER in network.tensors else None
-        terms = observation_terms(obstacle)
+        terms = observation_terms(obstacle, targets=config.observe_targets)
         if inputs != len(terms):
             raise InputError(
                 f"The network takes {inputs} observations, and {obstacle.name} has {len(terms)}.",
-                remedy="Name the obstacle that it was trained on.",
+                remedy="Name the obstacle, and the `env.observe_targets`, that it was trained on.",
             )
-        env = obstacle_family(obstacle.name, EnvConfig()).trial_env(1)
+        env = obstacle_family(obstacle.name, config).trial_env(1)
         self._actor = Actor(network, env.single_observation_space, env.single_action_space)
         self._rng = None if deterministic else np.random.default_rng(seed)
         self._correlated = CorrelatedNoise(self._actor.noise_correlation)

@@ -27,6 +27,9 @@ def protocol(config: ExperimentConfig) -> list[Stage]:
 def _stages(config: ExperimentConfig) -> Iterator[Stage]:
     record = to_record(config)
     networks = range(config.networks)
+    family = task_family(config.obstacle, config.env, config.own_sha256)
+    # The direction of difficulty says on which variant K is chosen, unless the user says so.
+    harder = config.analysis.harder or family.harder or ()
     train = task_part(config) | _part(record, "learner", "checkpoint_steps")
     for network in networks:
         initial = per_network("initiation", network)
@@ -36,8 +39,9 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         config,
         ANALYSIS,
         stages.analyse,
-        _part(record, "analysis"),
+        {"analysis": record["analysis"] | {"harder": list(harder)}},
         trials=_all_trials("initiation", config),
+        version=2,
     )
     for network in networks:
         initial = per_network("initiation", network)
@@ -64,7 +68,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         config,
         STATISTICS,
         compare,
-        {"cap_s": task_family(config.obstacle, config.env, config.own_sha256).cap_s},
+        {"cap_s": family.cap_s},
         analysis=(ANALYSIS,),
         **{kind: _all_trials(kind, config) for kind in TRAININGS},
         **{

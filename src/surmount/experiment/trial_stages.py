@@ -10,6 +10,9 @@ from surmount.experiment.graph import Stage
 from surmount.experiment.stages import FIRST
 from surmount.experiment.task_family import task_part
 
+TRIALS_VERSION = 2
+"""2: the logged distance to the target is Euclidean in three dimensions."""
+
 
 def trial_stages(
     config: ExperimentConfig, name: str, trials: Record, network: int, trained: str
@@ -38,6 +41,7 @@ def trial_stages(
             Stage(
                 name=name,
                 function=stages.run_trials,
+                version=TRIALS_VERSION,
                 config=part,
                 seed=derive_seed(config.seed, config.obstacle, name),
                 inputs={"network": (trained,)},
@@ -52,6 +56,7 @@ def trial_stages(
             Stage(
                 name=shard,
                 function=stages.run_trials,
+                version=TRIALS_VERSION,
                 config=part | {"trials": trials | {"repetitions": count}, FIRST: first},
                 seed=derive_seed(config.seed, config.obstacle, shard),
                 inputs={"network": (trained,)},
