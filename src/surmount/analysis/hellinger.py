@@ -158,9 +158,7 @@ def _segment_sums(values: FloatArray, first: IntArray) -> FloatArray:
 
 def _numbers(mixture: Mixture) -> list[list[float]]:
     """Return all that a mixture's density depends on, as lists: these can be put in order."""
-    return [
-        part.ravel().tolist() for part in (mixture.weights, mixture.means, mixture.covariances)
-    ]
+    return [part.ravel().tolist() for part in (mixture.weights, mixture.means, mixture.covariances)]
 
 
 def _standardised(mixtures: Sequence[Mixture]) -> list[Mixture]:
