@@ -19,7 +19,7 @@ from surmount.core.records import read_record, write_record
 from surmount.core.store import sole_user
 
 OPTIONS = [f"--set={key}={json.dumps(value)}" for key, value in SMALL.items()]
-HANGING_S = 300.0
+HANGING_S = 1800.0
 """Whoever waits longer waits in vain: far more than the slowest machine takes."""
 COMMAND = [sys.executable, "-c", "from surmount.cli import main; main()", "reproduce"]
 
