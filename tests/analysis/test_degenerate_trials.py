@@ -135,7 +135,7 @@ def test_a_bic_variant_that_was_not_recorded_is_refused():
         determine_curriculum(trials, dataclasses.replace(QUICK, bic_variant=(55.0,)))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     seed=seeds,
     shape=st.tuples(st.integers(2, 5), st.integers(1, 3), st.integers(5, 12), st.integers(1, 3)),
@@ -162,7 +162,7 @@ FIELDS = [field.name for field in dataclasses.fields(AnalysisConfig)]
 TRIALS = trials_of(np.random.default_rng(8).standard_normal((4 * 3 * 10, 2)), 4, 3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     name=st.sampled_from(FIELDS),
     value=st.one_of(

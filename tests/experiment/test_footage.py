@@ -15,6 +15,8 @@ from surmount.core.monitor import SilentMonitor
 from surmount.core.run_folder import open_run
 from surmount.core.trial_table import read_trials, write_trials
 from surmount.envs import EnvConfig, find_obstacle
+from surmount.envs.manoeuvre import Player
+from surmount.envs.motion import record_motion
 from surmount.envs.replay import CAPTION
 from surmount.envs.stored_manoeuvres import stored_manoeuvre
 from surmount.experiment import begin
@@ -225,10 +227,19 @@ def test_a_manoeuvre_is_played_on_every_size_asked_for(tmp_path):
 @pytest.mark.parametrize("name", ["narrow-channel", "low-entrance", "step"])
 def test_an_obstacle_is_shown_with_the_manoeuvre_stored_for_its_hardest_variant(name):
     (motion,) = shown(name)
-    assert motion.size_mm == find_obstacle(name).hardest
+    obstacle = find_obstacle(name)
+    assert motion.size_mm == obstacle.hardest
+    assert motion.caption == f"stored manoeuvre for {obstacle.hardest:g} mm"
+    # It succeeds with the margins it was chosen for. Its course is chaotic at a step: where
+    # processors round sines differently, 50 mm take 6.6 s instead of the 8.3 s of the search.
     assert motion.success
-    # The time that the search measured.
-    assert motion.duration_s == pytest.approx(stored_manoeuvre(name, motion.size_mm).time_s)
+    # Played on this machine it is the same to the last bit.
+    stored = stored_manoeuvre(name, motion.size_mm).manoeuvre
+    player = Player([stored], motion.config.decision_interval_s)
+    again = record_motion(
+        obstacle, motion.config, motion.size_mm, lambda _, x_m: player.act(x_m), caption=""
+    )
+    np.testing.assert_array_equal(motion.features, again.features)
 
 
 def test_a_size_between_variants_takes_the_next_harder_manoeuvre():
