@@ -21,9 +21,10 @@ test: $(READY)  ## all checks and the fast tests
 test-slow: $(READY)  ## learning and soak tests, nightly
 	$(BIN)/pytest -m slow
 
-nightly: $(READY)  ## slow tests, 100,000 fuzzed cases, 50 kills
-	$(BIN)/pytest -m slow
-	SURMOUNT_FUZZ_CASES=100000 $(BIN)/pytest tests/test_fuzz.py --numprocesses auto
+nightly: $(READY)  ## all tests with new draws, 100,000 fuzzed cases, 50 kills; prints what repeats a failure
+	HYPOTHESIS_PROFILE=nightly $(BIN)/pytest -m "not slow" --numprocesses auto --dist loadfile
+	HYPOTHESIS_PROFILE=nightly $(BIN)/pytest -m slow
+	HYPOTHESIS_PROFILE=nightly SURMOUNT_FUZZ_CASES=100000 $(BIN)/pytest tests/test_fuzz.py --numprocesses auto
 	$(BIN)/python benchmarks/kill_soak.py --kills 50 --out out/kills
 
 check: $(READY)  ## lint, format, types, rooms

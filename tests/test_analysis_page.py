@@ -51,7 +51,7 @@ OPTIONS = [
     for names, defaults in ROWS
     for name, default in zip(re.findall(r"`(\w+)`", names), defaults.split(", "), strict=True)
 ]
-WORDS = {"all logged": "()", "lowest success": "()", "on": "True", "1/3": str(1 / 3)}
+WORDS = {"all logged": "()", "unknown": "()", "the hardest": "()", "on": "True", "1/3": str(1 / 3)}
 
 
 @pytest.mark.parametrize(("name", "default"), OPTIONS)

@@ -1,7 +1,7 @@
 """Whatever configurations, curricula, tables and commands hold: a result or a sentence.
 
-About a thousand cases, the same ones every time, in `make test`; ``SURMOUNT_FUZZ_CASES=100000``,
-drawn anew, in `make nightly`.
+About a thousand cases, the same ones every time, in `make test`; ``SURMOUNT_FUZZ_CASES=100000``
+and ``HYPOTHESIS_PROFILE=nightly``, which draws anew, in `make nightly`.
 """
 
 from __future__ import annotations
@@ -36,9 +36,6 @@ def cases(share: float):
     """Return settings for a share of all cases."""
     return settings(
         max_examples=max(1, round(share * CASES)),
-        deadline=None,
-        derandomize=CASES <= 1000,
-        database=None,
         suppress_health_check=list(HealthCheck),
     )
 

@@ -18,7 +18,7 @@ from surmount.trials.table import read_trials
 PUBLISHED = Path(__file__).parents[1] / "docs/results/reproduction"
 RUNS = ("narrow-channel", "low-entrance", "step")
 NETWORKS = [path for name in RUNS for path in sorted((PUBLISHED / name).glob("networks/*"))]
-REPETITIONS = 4
+REPETITIONS = 6
 
 
 @pytest.mark.parametrize("path", NETWORKS, ids=lambda path: f"{path.parts[-3]}/{path.stem}")
@@ -27,13 +27,20 @@ def test_a_published_network_succeeds_where_its_outcomes_say_it_always_or_never_
 ):
     learnt, network = path.stem.split("-")
     rates = _rates(path.parents[1], learnt, int(network))
-    sure = rates.filter((pl.col("success") == 1) | (pl.col("success") == 0))
-    variant, success = sure.row(sure.height // 2)
+    alike = rates.with_columns(run=pl.col("success").rle_id()).filter(
+        (pl.col("success") == 1) | (pl.col("success") == 0)
+    )
+    longest = max(alike.partition_by("run"), key=len)
+    assert longest.height >= 4
+    variant, success, _ = longest.row(longest.height // 2)
     arguments = ["--variant", variant, "--repetitions", REPETITIONS, "--out", tmp_path / "t.csv"]
     assert run([str(word) for word in ("evaluate", path, *arguments)]) == 0
     trials = read_trials(tmp_path / "t.csv", minimum_samples=1, minimum_variants=1)
-    # A true rate of 0.9 gives 30 of 30 once in 24 times, and at most one of four once in 270.
-    assert abs(trials.success.mean() - success) <= 0.5
+    # Contacts are chaotic: on another processor the same seed gives other trials of the same
+    # distribution. At least 4 x 30 trials round this variant ended alike. With any rate equally
+    # likely before, one of six or none ends so with 6 x 121 x B(122, 6) = 2e-8: never, though
+    # there are 29 networks. One that does the contrary is found out all the same.
+    assert np.sum(trials.success == success) >= 2
 
 
 @pytest.mark.parametrize("name", RUNS)

@@ -58,7 +58,7 @@ def test_steady_drift_is_not_divided(linkage, step):
 
 
 @given(seed=seeds, n=st.integers(3, 15))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_grouping_does_not_depend_on_the_order_of_variants(seed, n):
     rng = np.random.default_rng(seed)
     distances = from_positions(10.0 * rng.integers(0, 3, n) + rng.random(n), noise=0.05, seed=seed)
@@ -199,7 +199,7 @@ def test_other_rules_find_two_far_apart_runs(cut):
 
 
 @given(seed=seeds, n=st.integers(4, 20))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_silhouette_is_that_of_scikit_learn(seed, n):
     rng = np.random.default_rng(seed)
     distances = from_positions(10.0 * rng.random(n))
@@ -213,7 +213,7 @@ def test_silhouette_is_that_of_scikit_learn(seed, n):
 
 
 @given(seed=seeds, n=st.integers(1, 20), k=st.integers(1, 5))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_adjusted_rand_index_is_that_of_scikit_learn(seed, n, k):
     rng = np.random.default_rng(seed)
     a, b = rng.integers(0, k, n), rng.integers(0, k, n)

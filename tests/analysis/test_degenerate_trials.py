@@ -116,13 +116,25 @@ def test_several_parameters_sample_cells():
     assert np.mean(tasks[:, 0] > 3.5) == pytest.approx(0.7, abs=0.1)  # 5 standard errors
 
 
+@pytest.mark.parametrize("harder", [(0,), (2,), (1, -1, 3)])
+def test_directions_of_difficulty_are_one_or_minus_one(harder):
+    with pytest.raises(ConfigError, match="`harder` is"):
+        AnalysisConfig(harder=harder)
+
+
+def test_directions_of_difficulty_must_be_as_many_as_task_parameters():
+    trials = trials_of(np.random.default_rng(0).standard_normal((4 * 3 * 10, 2)), 4, 3)
+    with pytest.raises(InputError, match="gives 2 directions, but the trials have 1"):
+        determine_curriculum(trials, dataclasses.replace(QUICK, harder=(1, 1)))
+
+
 def test_a_bic_variant_that_was_not_recorded_is_refused():
     trials = trials_of(np.random.default_rng(7).standard_normal((200, 2)), 2, 5)
     with pytest.raises(InputError, match="not among the recorded"):
         determine_curriculum(trials, dataclasses.replace(QUICK, bic_variant=(55.0,)))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     seed=seeds,
     shape=st.tuples(st.integers(2, 5), st.integers(1, 3), st.integers(5, 12), st.integers(1, 3)),
@@ -149,7 +161,7 @@ FIELDS = [field.name for field in dataclasses.fields(AnalysisConfig)]
 TRIALS = trials_of(np.random.default_rng(8).standard_normal((4 * 3 * 10, 2)), 4, 3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     name=st.sampled_from(FIELDS),
     value=st.one_of(
@@ -157,7 +169,7 @@ TRIALS = trials_of(np.random.default_rng(8).standard_normal((4 * 3 * 10, 2)), 4,
     ),
 )
 def test_any_option_is_refused_or_gives_a_sound_analysis(name, value):
-    if name in ("features", "bic_variant", "components_per_variant", "sensitivity"):
+    if name in ("features", "bic_variant", "harder", "components_per_variant", "sensitivity"):
         return  # tuples and switches, typed when a configuration is read
     if isinstance(getattr(AnalysisConfig(), name), int) and isinstance(value, float):
         return  # whole numbers, typed when a configuration is read

@@ -19,7 +19,7 @@ def distances(seed: int, n: int) -> np.ndarray:
 
 
 @given(seed=seeds, n=st.integers(2, 20), cut_off=st.floats(0.1, 2.5), depth=st.integers(2, 6))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_labels_of_links_above_a_cut_off_are_those_of_scipys_fcluster(seed, n, cut_off, depth):
     dendrogram = build_dendrogram(distances(seed, n), "average")
     coefficients = dendrogram.inconsistency(depth)

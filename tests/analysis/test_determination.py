@@ -7,9 +7,11 @@ import json
 
 import numpy as np
 import pytest
+from surmount.report.fit_figure import mixture_fit
 from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, Curriculum, Trials, determine_curriculum
+from surmount.analysis.explanation import describe_bic_choice, explain_analysis
 from surmount.core.errors import InputError
 
 QUICK = AnalysisConfig(components=4, restarts=1, bootstrap=4, bootstrap_samples=200)
@@ -83,6 +85,57 @@ def test_names_of_variants_and_units_of_features_do_not_matter(analysis: Analysi
     rescaled = dataclasses.replace(mirrored, features=trials.features * [60.0, 0.01, 3.0, 1e3])
     found = determine_curriculum(rescaled, QUICK)
     np.testing.assert_allclose(found.distances[::-1, ::-1], analysis.distances, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "index", "why"),
+    [
+        ({}, 5, "that of the lowest success (0.0%)"),
+        ({"harder": (1,)}, 12, "the hardest by the direction of difficulty (success 50.0%)"),
+        ({"harder": (-1,)}, 0, "the hardest by the direction of difficulty (success 50.0%)"),
+        ({"harder": (1,), "bic_variant": (3.0,)}, 3, "which the configuration names"),
+    ],
+)
+def test_k_is_chosen_on_the_hardest_variant_and_the_analysis_says_why(trials, changes, index, why):
+    # Half of all trials succeed, but none on the variant in the middle.
+    success = trials.repetition % 2 == 0
+    success &= trials.variant[:, 0] != 5.0
+    config = dataclasses.replace(
+        QUICK, components=0, max_components=3, bootstrap=0, sensitivity=False, **changes
+    )
+    analysis = determine_curriculum(
+        dataclasses.replace(trials, variant=trials.variant - trials.variant.min(), success=success),
+        config,
+    )
+    assert analysis.bic_variant == index
+    assert describe_bic_choice(analysis) == why
+    assert any(why in line for line in explain_analysis(analysis))
+    assert why in " ".join(mixture_fit(analysis).caption)
+    record = analysis.to_record()
+    assert describe_bic_choice(Analysis.from_record(record)) == why
+    if not changes:
+        del record["config"]["harder"]  # written before there was such an option
+        assert describe_bic_choice(Analysis.from_record(record)) == why
+
+
+def test_over_several_parameters_the_hardest_variant_is_the_corner_that_all_directions_point_to():
+    variants = np.array([[a, b] for a in (1.0, 2.0, 4.0) for b in (0.0, 0.5, 0.6)])
+    for harder, corner in (((1, 1), 8), ((-1, 1), 2), ((1, -1), 6)):
+        rng = np.random.default_rng(0)
+        trials = Trials(
+            parameters=("a", "b"),
+            feature_names=("x",),
+            variant=np.repeat(variants, 2, axis=0),
+            network=np.zeros(18, dtype=np.int64),
+            repetition=np.tile([0, 1], 9),
+            success=np.ones(18, dtype=np.bool_),
+            starts=np.arange(19) * 60,
+            features=rng.normal(size=(18 * 60, 1)),
+        )
+        found = determine_curriculum(
+            trials, dataclasses.replace(QUICK, harder=harder, bootstrap=0, sensitivity=False)
+        )
+        assert found.bic_variant == corner
 
 
 def test_all_groups_succeeding_gives_a_curriculum_without_levels(trials: Trials, tmp_path):

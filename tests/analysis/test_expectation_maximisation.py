@@ -61,7 +61,7 @@ def test_same_start_reaches_the_parameters_of_scikit_learn(seed, iterations):
 
 
 @given(seed=seeds, k=counts, d=dimensions)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_product_with_expanded_features_is_the_weighted_log_density(seed, k, d):
     rng = np.random.default_rng(seed)
     mixture, x = random_mixture(rng, k, d), rng.standard_normal((7, d))

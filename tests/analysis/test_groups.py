@@ -88,7 +88,7 @@ def test_cells_of_a_grid_tile_its_range():
 
 
 @given(seed=seeds, n=st.integers(2, 15), d=st.integers(2, 4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_cells_of_scattered_variants_hold_their_variant_and_never_overlap(seed, n, d):
     variants = np.random.default_rng(seed).random((n, d)) * 10.0 ** np.arange(d)
     lower, upper = cells(variants)

@@ -51,23 +51,29 @@ def textbook_unscented(p, q):
 
 
 @given(seed=seeds, k=counts, d=dimensions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_distance_is_a_symmetric_number_from_0_to_1_and_0_to_itself(seed, k, d):
-    p, q, _ = pair(seed, k, d)
-    assert 0.0 <= hellinger(p, q) <= 1.0
-    assert hellinger(p, q) == hellinger(q, p)
-    assert hellinger(p, p) < 1e-7  # the square root of rounding
+    p, q, rng = pair(seed, k, d)
+    other = random_mixture(rng, k, d)  # as many components as p
+    for one, two in ((p, q), (p, other)):
+        assert 0.0 < hellinger(one, two) <= 1.0
+        assert hellinger(one, two) == hellinger(two, one)  # by construction: one order for both
+    assert hellinger(p, p) == 0.0  # by construction
+    matrix = hellinger_matrix([p, q, other])
+    assert (matrix == matrix.T).all()  # by construction: both triangles are one sum
+    assert matrix.min() >= 0.0
+    assert matrix.max() <= 1.0
 
 
 @given(seed=seeds, k=counts, d=dimensions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_distance_is_the_published_sum_over_sigma_points(seed, k, d):
     p, q, _ = pair(seed, k, d)
     assert hellinger(p, q) == pytest.approx(textbook_unscented(p, q), abs=1e-7)
 
 
 @given(seed=seeds, d=dimensions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_distance_does_not_change_under_affine_maps_of_the_features(seed, d):
     p, q, rng = pair(seed, 3, d)
     matrix = rng.standard_normal((d, d)) + 2.0 * np.eye(d)
@@ -81,7 +87,7 @@ def test_distance_does_not_change_under_affine_maps_of_the_features(seed, d):
 
 
 @given(seed=seeds, k=counts, d=dimensions)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_distance_does_not_depend_on_the_order_of_components(seed, k, d):
     p, q, rng = pair(seed, k, d)
     order = rng.permutation(k)
@@ -147,9 +153,11 @@ def test_matrix_holds_the_distances_of_all_pairs_for_unequal_components():
     matrix = hellinger_matrix(mixtures)
     for i, p in enumerate(mixtures):
         for j, q in enumerate(mixtures):
-            if i != j:
-                assert matrix[i, j] == pytest.approx(hellinger(p, q), abs=1e-9)
-    assert (np.diag(matrix) == 0.0).all()
+            # Products of other shapes round otherwise: squares by 1e-13, and the distances of
+            # these mixtures, all above 0.1, by less than 1e-12.
+            assert matrix[i, j] == pytest.approx(hellinger(p, q), abs=1e-9)
+            assert i == j or matrix[i, j] > 0.1
+    assert (np.diag(matrix) == 0.0).all()  # by construction
 
 
 def test_needle_like_mixtures_far_apart_are_told_apart_without_overflow():

@@ -54,7 +54,7 @@ def test_another_schema_is_refused_by_its_number():
         Analysis.from_record(RECORD | {"schema": 99})
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(path=st.sampled_from(PATHS), value=junk, drop=st.booleans())
 def test_any_damage_is_refused_or_still_explains_itself(path, value, drop):
     record = copy.deepcopy(RECORD)

@@ -8,6 +8,9 @@ import pytest
 
 from surmount.analysis.threads import spread, thread_count, threads_kept
 
+HANGING_S = 1800.0
+"""Whoever waits longer waits in vain: far more than the slowest machine takes."""
+
 
 @pytest.fixture(params=["1", "2", "5"])
 def threads(request, monkeypatch):
@@ -20,7 +23,7 @@ def test_results_come_in_the_order_of_the_work(threads):
 
     def work(item):
         if item == 0 and threads > 1:
-            assert slow_first.wait(10)  # ends after item 1, and still comes first
+            assert slow_first.wait(HANGING_S)  # ends after item 1, and still comes first
         slow_first.set()
         return item * item
 
@@ -29,7 +32,7 @@ def test_results_come_in_the_order_of_the_work(threads):
 
 def test_several_threads_work_at_once(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
-    together = threading.Barrier(2, timeout=10)
+    together = threading.Barrier(2, timeout=HANGING_S)
     spread(lambda _: together.wait(), range(2))  # a single thread would wait in vain
 
 

@@ -10,7 +10,7 @@ from own_point import PointEnv, make_env, make_point, set_task
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 from surmount.core.errors import InputError
-from surmount.envs.batch import TaskBatch
+from surmount.rstar.course.batch import TaskBatch
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.space import TaskSpace, harder_by_success
 
@@ -68,6 +68,7 @@ def test_a_distribution_holds_in_the_vector_envs_of_gymnasium(mode):
 
 def test_the_batch_resets_in_the_same_step_and_tells_the_last_infos():
     batch = TaskBatch(make_env, 3)
+    assert batch.decision_interval_s == batch.envs[0].decision_s
     batch.set_task_distribution(NARROW)
     _, infos = batch.reset(seed=1)
     before = infos["variant"].copy()

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -122,8 +122,12 @@ def test_a_deleted_stage_is_made_again_and_the_rest_kept(finished, tmp_path):
     assert content(copy) == content(root)
 
 
-def killed_runs(root: Path, delays: list[float]) -> int:
-    """Start the run in a process of its own, kill it after each delay, and count the kills."""
+HANGING_S = 1800.0
+"""Whoever waits longer waits in vain: far more than the slowest machine takes."""
+
+
+def killed_run(root: Path, moment: Callable[[], bool]) -> bool:
+    """Kill the run, in a process of its own, when the moment has come; false if it ended first."""
     program = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
         "from pathlib import Path\n"
@@ -133,23 +137,27 @@ def killed_runs(root: Path, delays: list[float]) -> int:
     )
     script = root.parent / "small_run.py"
     script.write_text(program, encoding="utf-8")
-    kills = 0
-    for delay in delays:
-        process = subprocess.Popen([sys.executable, str(script), str(SUPPORT), str(root)])  # noqa: S603
-        try:
-            process.wait(timeout=delay)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-            process.wait()
-            kills += 1
-            time.sleep(1.5)  # workers notice that their parent has gone
-    return kills
+    process = subprocess.Popen(  # noqa: S603
+        [sys.executable, str(script), str(SUPPORT), str(root)], stdout=subprocess.PIPE
+    )
+    given_up = time.monotonic() + HANGING_S
+    while process.poll() is None and not moment() and time.monotonic() < given_up:
+        time.sleep(0.005)
+    killed = process.poll() is None
+    process.kill()
+    # Its output ends when the last worker, which has it too, has noticed that its parent is gone.
+    process.communicate(timeout=HANGING_S)
+    return killed
 
 
 def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path):
     root, _, _ = finished
     killed = tmp_path / "killed"
-    assert killed_runs(killed, [7.0, 9.0]) == 2
+    # While both networks are trained, and when these and their trials are finished.
+    assert killed_run(killed, lambda: any(killed.glob("checkpoints/**/*.safetensors")))
+    assert len(content(killed)) < 4
+    assert killed_run(killed, lambda: len([*killed.glob("stages/**/manifest.json")]) >= 4)
+    assert len(content(killed)) < len(content(root))
     outcome, _ = run_small(killed, small_config())
     assert not outcome.interrupted
     assert content(killed) == content(root)
@@ -160,7 +168,9 @@ def test_ten_kills_at_random_moments_change_nothing(finished, tmp_path):
     root, _, _ = finished
     killed = tmp_path / "killed"
     rng = random.Random(0)  # noqa: S311
-    killed_runs(killed, [rng.uniform(3.0, 12.0) for _ in range(10)])
+    for _ in range(10):
+        moment_s = time.monotonic() + rng.uniform(3.0, 12.0)
+        killed_run(killed, lambda moment_s=moment_s: time.monotonic() > moment_s)
     run_small(killed, small_config())
     assert content(killed) == content(root)
 
@@ -196,6 +206,20 @@ def test_shards_of_trials_have_seeds_of_their_own_and_together_every_repetition(
         assert (counts, firsts) == ([2, 2, 1], [0, 2, 4])
     seeds = [stage.seed for stage in graph.values()]
     assert len(set(seeds)) == len(seeds)
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "changes", "harder"),
+    [
+        ("step", {}, [1]),
+        ("narrow-channel", {}, [-1]),
+        ("step", {"analysis.harder": [-1]}, [-1]),
+    ],
+)
+def test_the_analysis_is_told_the_direction_of_difficulty(obstacle, changes, harder):
+    graph = protocol(small_config(obstacle, **changes))
+    (analysis,) = (stage for stage in graph if stage.name == "analysis")
+    assert analysis.config["analysis"]["harder"] == harder
 
 
 def test_one_shard_leaves_every_stage_as_it_was():

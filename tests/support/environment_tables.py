@@ -7,33 +7,44 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from surmount.rstar.course.actions import ACTION_TERMS
+from surmount.rstar.course.config import CourseConfig, EnvConfig, RewardConfig
 from surmount.rstar.course.infos import INFO_KEYS
-from surmount.rstar.course.observations import observation_terms
+from surmount.rstar.course.observations import ObservationTerm, observation_terms, target_terms
 from surmount.rstar.course.obstacles import Obstacle
+from surmount.rstar.course.rewards import Reward
+from surmount.rstar.robot import constants as c
+from surmount.rstar.robot import kinematics
 
 
 def observation_table(obstacle: Obstacle) -> str:
     """Return the entries of an obstacle's observation: index, symbol, unit, range, scaling."""
-    rows = [
-        (
-            index,
-            term.name,
-            term.symbol,
-            term.unit,
-            (
-                f"{term.centre - term.bound * term.scale:g} to "
-                f"{term.centre + term.bound * term.scale:g}"
-            ),
-            f"{term.centre:g}",
-            f"{term.scale:g}",
-            f"± {term.bound:g}",
-            term.meaning,
-        )
-        for index, term in enumerate(observation_terms(obstacle))
-    ]
-    head = ("index", "entry", "symbol", "unit", "range", "centre", "scale", "observed", "meaning")
-    return _table(head, rows)
+    terms = observation_terms(obstacle)
+    return _table(("index", *_HEAD), ((index, *_row(term)) for index, term in enumerate(terms)))
+
+
+def target_table() -> str:
+    """Return the entries that ``observe_targets`` adds before the obstacle's size."""
+    return _table(_HEAD, map(_row, target_terms()))
+
+
+_HEAD = ("entry", "symbol", "unit", "range", "centre", "scale", "observed", "meaning")
+
+
+def _row(term: ObservationTerm) -> tuple[str, ...]:
+    low, high = (term.centre + sign * term.bound * term.scale for sign in (-1, 1))
+    return (
+        term.name,
+        term.symbol,
+        term.unit,
+        f"{low:g} to {high:g}",
+        f"{term.centre:g}",
+        f"{term.scale:g}",
+        f"± {term.bound:g}",
+        term.meaning,
+    )
 
 
 def action_table() -> str:
@@ -67,6 +78,26 @@ def action_table() -> str:
 def info_table() -> str:
     """Return what ``info`` holds after every reset and step."""
     return _table(("key", "meaning"), ((f"`{key}`", text) for key, text in INFO_KEYS.items()))
+
+
+def stuck_table() -> str:
+    """Return what an episode costs that a robot spends upright with its wheels at the front face.
+
+    By unit of D_z, with the body in the middle and as far forward as it goes.
+    """
+    course = CourseConfig()
+    axle_m = -(c.WHEELBASE_MM / 2 + c.WHEEL_RADIUS_MM) * 1e-3
+    shift_m = float(kinematics.body_shift_mm(c.FBEM_MAX_DEG)) * 1e-3
+    left_m = course.target_m - axle_m - np.array([0.0, shift_m])
+    rows: list[tuple[str, ...]] = []
+    for name, unit_m in (("m", 1.0), ("dm", 0.1), ("cm", 0.01)):
+        config = EnvConfig(reward=RewardConfig(distance_unit_m=unit_m))
+        reward = Reward(config)
+        decision = reward.distance(left_m, np.zeros(2)) + reward.time(np.zeros((2, 2)))
+        middle, forward = (-config.steps_per_episode * decision).tolist()
+        rows.append((name, *(f"{cost:.3f}" for cost in (middle, forward, middle - forward))))
+    head = ("unit of D_z", "FBEM 0°", f"FBEM +{c.FBEM_MAX_DEG:g}°", "saved by the swing")
+    return _table(head, rows)
 
 
 def _range(low: float, high: float) -> str:

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 NODE_OPTIONS = ("--object-store-memory=80000000", "--disable-usage-stats", "--block")
-START_S = 120.0
+START_S = 1800.0
 
 
 def free_port() -> int:

@@ -24,13 +24,27 @@ def total(context):
     write_record(context.output / "n.json", {"n": sum(numbers)})
 
 
+HANGING_S = 1800.0
+"""Whoever waits longer waits in vain: far more than the slowest machine takes."""
+
+
 def count_slowly(context):
-    """Count to 50 with a checkpoint at every step, and stop when asked."""
+    """Count to 50 with a checkpoint at every step, and stop when asked.
+
+    With ``hold_at``, a count from 0 goes no further than this until it is asked.
+    """
     _note_call(context)
     path = context.checkpoint / "count.json"
-    done = read_record(path)["done"] if path.exists() else 0
+    first = done = read_record(path)["done"] if path.exists() else 0
     context.monitor.log(f"starts at {done}")
     while done < 50:
+        given_up = time.monotonic() + HANGING_S
+        while first == 0 and done == context.config.get("hold_at"):
+            if context.monitor.should_stop():
+                break
+            if time.monotonic() > given_up:
+                raise TimeoutError
+            time.sleep(0.01)
         if context.monitor.should_stop():
             raise Interrupted
         time.sleep(0.02)

@@ -153,7 +153,7 @@ junk = st.one_of(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(path=st.sampled_from(PATHS), value=junk, drop=st.booleans())
 def test_any_change_loads_soundly_or_is_refused_with_a_remedy(path, value, drop):
     record = copy.deepcopy(curriculum().to_record())
@@ -172,7 +172,7 @@ def test_any_change_loads_soundly_or_is_refused_with_a_remedy(path, value, drop)
         assert np.isfinite(loaded.sample(level, np.random.default_rng(0), 10)).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.text(max_size=60) | st.recursive(junk, lambda x: st.lists(x, max_size=3)).map(json.dumps))
 def test_any_text_is_refused_in_a_sentence(tmp_path_factory, text):
     path = tmp_path_factory.mktemp("fuzz") / "c.json"

@@ -295,7 +295,7 @@ def test_parquet_without_polars_names_the_extra(tmp_path: Path, monkeypatch):
         read_trials(tmp_path / "t.parquet")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
 def test_any_bytes_are_refused_or_read_never_a_traceback(content: bytes):
     with tempfile.TemporaryDirectory() as folder:
@@ -314,7 +314,7 @@ def sound_or_refused(path: Path) -> None:
         assert np.isfinite(trials.variant).all()
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.data())
 def test_a_damaged_file_is_refused_or_still_sound(data):
     with tempfile.TemporaryDirectory() as folder:
@@ -328,7 +328,7 @@ def test_a_damaged_file_is_refused_or_still_sound(data):
         sound_or_refused(path)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     name=st.text(max_size=8),
     entries=st.lists(st.sampled_from(["1", "-0.5", "1e3", "", "nan", "x", "١", "1_0", '"', "é"])),
@@ -347,7 +347,7 @@ cells = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     st.dictionaries(
         st.sampled_from(

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,8 @@ from surmount.core.records import read_record, write_record
 from surmount.workflow.store import sole_user
 
 OPTIONS = [f"--set={key}={json.dumps(value)}" for key, value in SMALL.items()]
+HANGING_S = 1800.0
+"""Whoever waits longer waits in vain: far more than the slowest machine takes."""
 COMMAND = [sys.executable, "-c", "from surmount.cli.main import main; main()", "reproduce"]
 
 
@@ -124,31 +127,33 @@ def test_clocks_that_go_back_change_nothing(expected, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_one_ctrl_c_saves_and_two_end_at_once_and_the_run_goes_on(expected, tmp_path):
-    root = tmp_path / "run"
-    process = subprocess.Popen(  # noqa: S603
-        reproduce(root, "--processes", "2"),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-        text=True,
-    )
-    deadline = time.monotonic() + 120
-    while not list(root.glob("checkpoints/**/*.safetensors")) and time.monotonic() < deadline:
-        time.sleep(0.02)
+    root, told = tmp_path / "run", tmp_path / "told"
+    with told.open("w", encoding="utf-8") as output:
+        process = subprocess.Popen(  # noqa: S603
+            reproduce(root, "--processes", "2"),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+    wait_until(lambda: any(root.glob("checkpoints/**/*.safetensors")))
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: the workers get it too
-    time.sleep(0.05)
+    wait_until(lambda: "Ctrl-C again ends at once" in told.read_text(encoding="utf-8"))
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60)
-    assert process.returncode == 130, out + err
-    assert "Ctrl-C again ends at once" in err
-    assert "Traceback" not in err
+    process.wait(timeout=HANGING_S)
+    assert process.returncode == 130, told.read_text(encoding="utf-8")
+    assert "Traceback" not in told.read_text(encoding="utf-8")
     assert not list(root.rglob("*.json.*.tmp"))
-    deadline = time.monotonic() + 30
-    while _group_lives(process.pid) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert not _group_lives(process.pid)  # no worker was left behind
+    wait_until(lambda: not _group_lives(process.pid))  # no worker is left behind
     run_small(root, small_config())
     assert content(root) == expected
+
+
+def wait_until(moment: Callable[[], bool]) -> None:
+    """Wait for a moment that comes sooner or later, and fail if it does not."""
+    given_up = time.monotonic() + HANGING_S
+    while not moment():
+        assert time.monotonic() < given_up
+        time.sleep(0.02)
 
 
 def _group_lives(group: int) -> bool:

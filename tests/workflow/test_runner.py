@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import threading
 
 import pytest
 import toy_stages
@@ -15,6 +14,7 @@ from surmount.workflow.executor import WorkerLostError
 from surmount.workflow.graph import Stage, check_graph
 from surmount.workflow.in_process import InProcessExecutor
 from surmount.workflow.local_processes import ProcessExecutor
+from surmount.workflow.monitor import Progress
 from surmount.workflow.runner import GraphRunner
 
 
@@ -98,19 +98,26 @@ def test_seed_and_version_are_part_of_the_key(tmp_path):
 
 @pytest.mark.parametrize("processes", [0, 1])
 def test_a_stopped_stage_goes_on_from_its_checkpoint(tmp_path, processes):
-    stages = [Stage(name="count", function=toy_stages.count_slowly)]
-    observer = Observer()
+    # It waits at 5 to be stopped, and is stopped once it has told of its first step.
+    stages = [Stage(name="count", function=toy_stages.count_slowly, config={"hold_at": 5})]
+
+    class Stopping(Observer):
+        def listen(self, event):
+            super().listen(event)
+            if isinstance(event.told, Progress):
+                runner.stop()
+
+    observer = Stopping()
     make = (lambda listen: ProcessExecutor(1, listen)) if processes else InProcessExecutor
     executor = make(observer.listen)
     runner = GraphRunner(tmp_path, stages, executor, observer)
-    threading.Timer(0.3, runner.stop).start()
     outcome = runner.run()
     executor.close()
     assert outcome.interrupted
     assert outcome.artefacts == {}
     resumed, second = run(tmp_path, stages)
     starts = [event.told for event in second.told if isinstance(event.told, str)]
-    assert starts != ["starts at 0"]
+    assert starts in [[f"starts at {done}"] for done in range(1, 6)]
     assert not resumed.interrupted
     assert read_record(resumed.artefacts["count"].path("n.json"))["n"] == 50
 

@@ -42,12 +42,18 @@ class AnalysisConfig:
     min_components, max_components
         Range of K over which the BIC is computed (paper III-C: 2 to 20).
     components
-        Fixed K; 0 chooses it by the BIC (the paper found 16).
+        Fixed K; 0 chooses it by the BIC. The paper found 16 on its highest step and used it for
+        all obstacles; here each task's trials choose their own unless it is given.
     components_per_variant
         Whether each variant gets its own K by the BIC instead of one K for all (paper: one).
     bic_variant
-        Variant on which K is chosen, one value per task parameter; none named means the variant
-        with the lowest success, as the paper's hardest.
+        Variant on which K is chosen, one value per task parameter; none named means the hardest:
+        by ``harder`` where that is known, as the paper's highest step, else the variant with the
+        lowest success.
+    harder
+        For each task parameter 1 where larger values are harder, −1 where smaller ones are; none
+        where nobody knows. A run fills it in from its task. It decides nothing but the variant on
+        which K is chosen: groups are ranked by success.
     plateau
         The smallest K is taken whose BIC lies within this share of the curve's whole fall above
         its minimum; 0 takes the minimum itself, as the paper does. On long recordings the curve
@@ -123,6 +129,7 @@ class AnalysisConfig:
     components: int = 0
     components_per_variant: bool = False
     bic_variant: tuple[float, ...] = ()
+    harder: tuple[int, ...] = ()
     plateau: float = 0.0
     restarts: int = 3
     regularisation: float = 1e-4
@@ -176,6 +183,11 @@ class AnalysisConfig:
         if not all(math.isfinite(value) for value in self.bic_variant):
             raise ConfigError(
                 "Analysis option `bic_variant` is not finite.", remedy="Name a recorded variant."
+            )
+        if any(sign not in (1, -1) for sign in self.harder):
+            raise ConfigError(
+                f"Analysis option `harder` is {list(self.harder)}.",
+                remedy="Give 1 or -1 for each task parameter, or leave it out.",
             )
 
 

@@ -22,6 +22,7 @@ from surmount.analysis.sensitivity import SensitivityRow, assess_sensitivity
 from surmount.analysis.stability import assess_stability
 from surmount.analysis.threads import spread
 from surmount.analysis.warnings import analysis_warnings
+from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.core.seeds import derive_seed, generator
 from surmount.tasks.curriculum import Curriculum, Group
@@ -141,9 +142,11 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
 
 
 def _bic_variant(data: VariantSamples, config: AnalysisConfig) -> int:
-    """Return the variant on which K is chosen: the named one, or the lowest success.
+    """Return the variant on which K is chosen: the named one, or the hardest.
 
-    Of several with the lowest success, the one with the most samples.
+    The hardest is the one furthest along the direction of difficulty where that is known (over
+    several parameters, the sum of its places in their ranges counts), else that of the lowest
+    success; of several such variants, the one with the most samples.
     """
     if config.bic_variant:
         wanted = np.asarray(config.bic_variant)
@@ -156,9 +159,25 @@ def _bic_variant(data: VariantSamples, config: AnalysisConfig) -> int:
             f"`bic_variant` {list(config.bic_variant)} is not among the recorded variants.",
             remedy=f"Name a recorded variant, such as {known}.",
         )
-    lowest = np.flatnonzero(data.success_rate == data.success_rate.min())
-    sizes = [data.samples[variant].shape[0] for variant in lowest]
-    return int(lowest[int(np.argmax(sizes))])
+    difficulty = -data.success_rate
+    if config.harder:
+        difficulty = _place(data.variants, config.harder)
+    hardest = np.flatnonzero(np.isclose(difficulty, difficulty.max(), rtol=0.0, atol=1e-9))
+    sizes = [data.samples[variant].shape[0] for variant in hardest]
+    return int(hardest[int(np.argmax(sizes))])
+
+
+def _place(variants: FloatArray, harder: tuple[int, ...]) -> FloatArray:
+    """Return how far along the direction of difficulty variants lie, shape ``(variant,)``."""
+    if len(harder) != variants.shape[1]:
+        raise InputError(
+            f"`harder` gives {len(harder)} directions, but the trials have {variants.shape[1]} "
+            "task parameters.",
+            remedy="Give 1 or -1 for each parameter in their order, or leave it out.",
+        )
+    span = np.ptp(variants, axis=0)
+    places: FloatArray = (variants - variants.min(axis=0)) / np.where(span > 0, span, 1.0)
+    return places @ np.array(harder, dtype=np.float64)
 
 
 def _curve_of(curves: list[BICCurve], hardest: int, config: AnalysisConfig) -> BICCurve | None:

@@ -73,7 +73,11 @@ def _explain_mixtures(analysis: Analysis) -> Iterator[str]:
     if analysis.bic is None:
         yield f"The number of components was given: {analysis.config.components}."
     else:
-        yield f"The number of components was chosen on variant {_bic_variant(analysis)} (eq. 3):"
+        where = describe_variant(analysis.variants[analysis.bic_variant])
+        yield (
+            f"The number of components was chosen on variant {where}, "
+            f"{describe_bic_choice(analysis)}, by the BIC (eq. 3):"
+        )
         yield from _explain_curve(analysis.bic)
         if analysis.bic_per_variant:
             chosen = ", ".join(str(curve.chosen) for curve in analysis.bic_per_variant)
@@ -87,12 +91,14 @@ def _explain_mixtures(analysis: Analysis) -> Iterator[str]:
     )
 
 
-def _bic_variant(analysis: Analysis) -> str:
-    where = describe_variant(analysis.variants[analysis.bic_variant])
+def describe_bic_choice(analysis: Analysis) -> str:
+    """Return why K was chosen on the variant it was chosen on, as an apposition to it."""
     if analysis.config.bic_variant:
-        return f"{where}, which the configuration names, by the BIC"
+        return "which the configuration names"
     rate = analysis.success_rate[analysis.bic_variant]
-    return f"{where}, that of the lowest success ({rate:.1%}), by the BIC"
+    if analysis.config.harder:
+        return f"the hardest by the direction of difficulty (success {rate:.1%})"
+    return f"that of the lowest success ({rate:.1%})"
 
 
 def _explain_curve(curve: BICCurve) -> Iterator[str]:

@@ -25,6 +25,10 @@ _LARGEST_SQUARE = 1e9
 def hellinger(p: Mixture, q: Mixture) -> float:
     """Return the unscented Hellinger distance of two mixtures, in [0, 1].
 
+    It is the same number for ``(q, p)``, to the last bit, and exactly 0 from a mixture to itself.
+    Rounding depends on the place of a component among all that are evaluated at once, so the two
+    mixtures always take the same places, whichever comes first.
+
     Parameters
     ----------
     p, q
@@ -35,11 +39,17 @@ def hellinger(p: Mixture, q: Mixture) -> float:
     InputError
         If the mixtures have different numbers of features.
     """
-    return float(hellinger_matrix([p, q])[0, 1])
+    one, other = _numbers(p), _numbers(q)
+    if one == other:
+        return 0.0
+    return float(hellinger_matrix([p, q] if one < other else [q, p])[0, 1])
 
 
 def hellinger_matrix(mixtures: Sequence[Mixture]) -> FloatArray:
     """Return the unscented Hellinger distances of all pairs of mixtures.
+
+    The matrix is symmetric to the last bit. Among other mixtures a pair rounds otherwise than
+    alone in :func:`hellinger`: squared distances differed by 2e-13 at most over 800 random pairs.
 
     Beside the result, memory is one tile of densities (at most 1 MiB, or one pair of mixtures) and
     copies of all components, some 60 d² bytes each: 1 kB over 4 features.
@@ -144,6 +154,11 @@ def _segment_sums(values: FloatArray, first: IntArray) -> FloatArray:
     if (sizes == sizes[0]).all():
         return values.reshape(sizes.size, sizes[0], -1).sum(axis=1)
     return np.add.reduceat(values, first[:-1], axis=0)
+
+
+def _numbers(mixture: Mixture) -> list[list[float]]:
+    """Return all that a mixture's density depends on, as lists: these can be put in order."""
+    return [part.ravel().tolist() for part in (mixture.weights, mixture.means, mixture.covariances)]
 
 
 def _standardised(mixtures: Sequence[Mixture]) -> list[Mixture]:

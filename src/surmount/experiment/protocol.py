@@ -26,6 +26,9 @@ def protocol(config: ExperimentConfig) -> list[Stage]:
 def _stages(config: ExperimentConfig) -> Iterator[Stage]:
     record = to_record(config)
     networks = range(config.networks)
+    family, settings = config.family, config.env
+    # The direction of difficulty says on which variant K is chosen, unless the user says so.
+    harder = config.analysis.harder or family.space(settings).harder or ()
     train = task_part(config) | _part(record, "learner", "checkpoint_steps")
     for network in networks:
         initial = per_network("initiation", network)
@@ -35,8 +38,9 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         config,
         ANALYSIS,
         stages.analyse,
-        _part(record, "analysis"),
+        {"analysis": record["analysis"] | {"harder": list(harder)}},
         trials=_all_trials("initiation", config),
+        version=2,
     )
     for network in networks:
         initial = per_network("initiation", network)
@@ -63,7 +67,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         config,
         STATISTICS,
         compare,
-        {"cap_s": config.family.cap_s(config.env)},
+        {"cap_s": family.cap_s(settings)},
         analysis=(ANALYSIS,),
         **{kind: _all_trials(kind, config) for kind in TRAININGS},
         **{

@@ -9,6 +9,9 @@ from surmount.experiment.stages import FIRST
 from surmount.experiment.task_part import stage_seed, task_part
 from surmount.workflow.graph import Stage
 
+TRIALS_VERSION = 2
+"""2: the logged distance to the target is Euclidean in three dimensions."""
+
 
 def trial_stages(
     config: ExperimentConfig, name: str, trials: Record, network: int, trained: str
@@ -37,6 +40,7 @@ def trial_stages(
             Stage(
                 name=name,
                 function=stages.run_trials,
+                version=TRIALS_VERSION,
                 config=part,
                 seed=stage_seed(config, name),
                 inputs={"network": (trained,)},
@@ -51,6 +55,7 @@ def trial_stages(
             Stage(
                 name=shard,
                 function=stages.run_trials,
+                version=TRIALS_VERSION,
                 config=part | {"trials": trials | {"repetitions": count}, FIRST: first},
                 seed=stage_seed(config, shard),
                 inputs={"network": (trained,)},

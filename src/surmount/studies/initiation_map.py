@@ -23,6 +23,7 @@ from surmount.core.seeds import derive_seed
 from surmount.experiment import stages
 from surmount.experiment.presets import preset
 from surmount.experiment.task_part import task_part
+from surmount.experiment.trial_stages import TRIALS_VERSION
 from surmount.learn.presets import ML_AGENTS
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.studies.paper.results import PAPER_RESULTS
@@ -146,6 +147,7 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                     Stage(
                         name=trials_stage(setting.name, obstacle, network),
                         function=stages.run_trials,
+                        version=TRIALS_VERSION,
                         config=task | {"trials": record["trials"], "network": network},
                         seed=derive_seed(config.seed, obstacle, "map trials", network),
                         inputs={"network": (name,)},

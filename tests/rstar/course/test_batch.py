@@ -1,5 +1,6 @@
 import json
 import os
+from dataclasses import replace
 
 import gymnasium
 import mujoco
@@ -10,7 +11,7 @@ from scipy import stats
 
 from surmount.core.errors import ConfigError, InputError
 from surmount.rstar.course.batch import ObstacleVectorEnv
-from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.config import CourseConfig, EnvConfig, RewardConfig
 from surmount.rstar.course.infos import INFO_KEYS
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.course.single import ObstacleEnv
@@ -36,19 +37,24 @@ def run(env, plan):
     return [np.array(column) for column in zip(*outputs, strict=True)]
 
 
+ASKED = replace(SHORT, observe_targets=True, reward=RewardConfig(distance_point="carriers"))
+"""The same, with everything that is measured on request only."""
+
+
+@pytest.mark.parametrize("config", [SHORT, ASKED], ids=["default", "asked"])
 @pytest.mark.parametrize("name", NAMES)
-def test_batched_trajectories_equal_single_ones_to_the_last_bit_at_any_thread_count(name):
+def test_batched_trajectories_equal_single_ones_to_the_last_bit_at_any_thread_count(name, config):
     plan = actions(40, 5)
     runs = []
     for n_threads in (1, 2, 5):
-        env = ObstacleVectorEnv(name, 5, config=SHORT, n_threads=n_threads)
+        env = ObstacleVectorEnv(name, 5, config=config, n_threads=n_threads)
         env.reset(seed=[3, 1, 4, 1, 5])
         runs.append(run(env, plan))
     for other in runs[1:]:
         for a, b in zip(runs[0], other, strict=True):
             np.testing.assert_array_equal(a, b)
     for index, seed in enumerate([3, 1, 4, 1, 5]):
-        env = ObstacleEnv(name, config=SHORT)
+        env = ObstacleEnv(name, config=config)
         env.reset(seed=seed)
         for step, action in enumerate(plan[:, index]):
             obs, reward, terminated, truncated, info = env.step(action)
@@ -71,9 +77,10 @@ def test_a_seeds_streams_do_not_depend_on_the_number_of_environments():
     assert not np.array_equal(other, obs_many)
 
 
+@pytest.mark.parametrize("config", [SHORT, ASKED], ids=["default", "asked"])
 @pytest.mark.parametrize("name", NAMES)
-def test_continuing_from_a_saved_state_is_bit_identical_across_resets(name):
-    env = ObstacleVectorEnv(name, 3, config=SHORT)
+def test_continuing_from_a_saved_state_is_bit_identical_across_resets(name, config):
+    env = ObstacleVectorEnv(name, 3, config=config)
     env.reset(seed=0)
     env.set_task_distribution(
         TaskDistribution.uniform(
@@ -87,7 +94,7 @@ def test_continuing_from_a_saved_state_is_bit_identical_across_resets(name):
     arrays = {key: value for key, value in state.items() if isinstance(value, np.ndarray)}
     rest = json.loads(json.dumps({k: v for k, v in state.items() if k not in arrays}))
     expected = run(env, actions(40, 3, seed=1))
-    again = ObstacleVectorEnv(name, 3, config=SHORT, n_threads=2)
+    again = ObstacleVectorEnv(name, 3, config=config, n_threads=2)
     again.load_state_dict({**arrays, **rest})
     for a, b in zip(expected, run(again, actions(40, 3, seed=1)), strict=True):
         np.testing.assert_array_equal(a, b)
@@ -223,6 +230,36 @@ def test_next_step_autoreset_ignores_the_action_of_the_resetting_step():
     _, reward, terminated, truncated, infos = env.step(np.ones((1, 3)))
     assert (reward[0], terminated[0], truncated[0]) == (0.0, False, False)
     assert infos["features"][0, 0] == 0.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_logged_distance_is_euclidean_to_the_middle_of_the_line_at_the_height_of_the_start(
+    name,
+):
+    env = ObstacleVectorEnv(name, 3, n_threads=1)
+    env.reset(seed=0)
+    for action in actions(60, 3):
+        _, _, _, _, infos = env.step(action)
+    base = np.array([env.simulation.data(index).body("base").xpos for index in range(3)])
+    # The line is on the floor, on which the start pose stands 70.89 mm high.
+    target = np.array([0.32, 0.0, 0.0708932])
+    expected = np.linalg.norm(base - target, axis=1)
+    np.testing.assert_allclose(infos["features"][:, 3], expected, rtol=0, atol=1e-7)
+    plane = np.linalg.norm((base - target)[:, :2], axis=1)
+    assert np.abs(expected - plane).max() > 1e-4
+
+
+def test_a_target_line_on_the_step_has_its_point_above_the_step():
+    course = CourseConfig(target_m=0.25)
+    env = ObstacleVectorEnv("step", 2, config=EnvConfig(course=course), n_threads=1)
+    _, infos = env.reset(seed=0, options={"variant": [25.0, 45.0], "start": "fixed"})
+    along = 0.25 - course.fixed_start_m
+    expected = np.hypot(along, [0.025, 0.045])
+    np.testing.assert_allclose(infos["features"][:, 3], expected, rtol=0, atol=1e-9)
+    again = ObstacleVectorEnv("step", 2, config=EnvConfig(course=course), n_threads=1)
+    again.load_state_dict(env.state_dict())
+    stay = np.zeros((2, 3))
+    np.testing.assert_array_equal(env.step(stay)[4]["features"], again.step(stay)[4]["features"])
 
 
 def test_driving_off_the_floor_ends_the_episode_with_minus_five():
@@ -391,6 +428,7 @@ def test_registered_vector_environments_declare_mode_spaces_and_tasks(obstacle):
     assert env.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
     assert env.single_observation_space.shape == (7 if obstacle.name == "step" else 6,)
     assert env.task_parameters == (obstacle.parameter,)
+    assert env.decision_interval_s == 0.01
     assert env.feature_names == ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
     obs, infos = env.reset(seed=0)
     assert env.observation_space.contains(obs)

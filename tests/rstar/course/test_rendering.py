@@ -69,7 +69,7 @@ def test_frames_need_neither_a_display_nor_a_variable_that_says_so():
         for name, value in os.environ.items()
         if name not in ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL", "PYOPENGL_PLATFORM")
     }
-    subprocess.run([sys.executable, "-c", code], env=bare, check=True, timeout=120)  # noqa: S603
+    subprocess.run([sys.executable, "-c", code], env=bare, check=True)  # noqa: S603
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have one backend")
@@ -106,5 +106,5 @@ def test_a_window_opens_follows_the_simulation_in_real_time_and_closes():
     for _ in range(25):
         env.step(np.zeros(3))
         assert env.render() is None
-    assert time.monotonic() - begin > 0.9 * 25 * 0.02
+    assert time.monotonic() - begin > 0.9 * 25 * 0.02  # at the least: busy machines take longer
     env.close()

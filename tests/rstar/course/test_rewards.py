@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 
+from surmount.core.errors import ConfigError
+from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.config import EnvConfig, RewardConfig
 from surmount.rstar.course.rewards import Reward
 
@@ -49,6 +51,44 @@ def test_units_of_distance_and_angle_are_fields():
     one = np.ones(1)
     assert metres.distance(one, 0 * one) == pytest.approx([-1e-4])
     assert metres.motion(np.ones((2, 1))) == pytest.approx([-0.01])
+
+
+@pytest.mark.parametrize(("unit_m", "cost"), [(1.0, 5e-5), (0.1, 5e-4), (0.01, 5e-3)])
+def test_half_a_metre_left_costs_a_decision_as_many_units_as_it_holds(unit_m, cost):
+    reward = Reward(EnvConfig(reward=RewardConfig(distance_unit_m=unit_m)))
+    assert reward.distance(np.array([0.5]), np.zeros(1)) == pytest.approx([-cost], rel=1e-12)
+
+
+def test_a_swing_of_the_body_earns_nothing_where_the_carriers_are_measured():
+    from surmount.envs.measures import Measures  # noqa: PLC0415
+
+    still = np.zeros((2, 2))
+    rows = np.zeros((8, 2))
+    rows[5] = [-0.1, -0.1 + 0.0476]  # the base at two FBEM angles, the wheels in the same place
+    by_body = REWARD.running(Measures(rows=rows), still)
+    assert by_body[1] - by_body[0] == pytest.approx(1e-4 * 4.76, rel=1e-9)
+    carriers = Measures(rows=rows, carrier_x_m=np.array([-0.1, -0.1]))
+    assert REWARD.running(carriers, still) == pytest.approx([by_body[0]] * 2, rel=1e-12)
+
+
+def test_only_the_reward_asks_for_the_carriers_and_only_where_it_is_told_to():
+    outcomes = {}
+    for point in ("body", "carriers"):
+        config = EnvConfig(reward=RewardConfig(distance_point=point), decision_interval_s=0.02)
+        env = ObstacleVectorEnv("low-entrance", 2, config=config, n_threads=1)
+        env.reset(seed=0, options={"variant": 140.0, "start": "fixed"})
+        assert (env.simulation.measure().carrier_x_m is None) == (point == "body")
+        steps = [env.step([[1.0, 0.7, 0.0], [1.0, -0.7, 0.0]]) for _ in range(120)]
+        outcomes[point] = steps
+    for body, carriers in zip(*outcomes.values(), strict=True):
+        np.testing.assert_array_equal(body[0], carriers[0])
+        np.testing.assert_array_equal(body[2], carriers[2])  # success is judged by the base
+        left = np.isclose(body[1], carriers[1], rtol=0, atol=1e-9)
+        assert not left.all() or body[4]["features"][0, 0] < 0.1
+    assert any(step[2].any() for step in outcomes["body"])
+    assert EnvConfig().reward.distance_point == "body"
+    with pytest.raises(ConfigError, match="distance_point"):
+        RewardConfig(distance_point="wheels")
 
 
 def test_the_sum_takes_magnitudes_of_signed_measures_and_stops_at_the_target():

@@ -10,6 +10,7 @@ from surmount.rstar.course.config import CourseConfig, EnvConfig
 from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.film.motion import record_motion
 from surmount.rstar.film.replay import CAPTION, logged_features, replay_log, support_m
+from surmount.rstar.robot.kinematics import standing_height_mm
 from surmount.trials.trials import Trials
 
 CHANNEL = find_obstacle("narrow-channel")
@@ -31,8 +32,9 @@ def test_on_level_ground_a_log_is_drawn_as_it_was_simulated(simulated):
     rows = np.searchsorted(simulated.time_s, drawn.time_s - 1e-9)
     truth = simulated.qpos[rows]
     assert drawn.duration_s == pytest.approx(1.5)
-    # Position along the course: the log's distance is to a point 0.6 m ahead, off by y²/1.2 m.
-    np.testing.assert_allclose(drawn.qpos[:, 0], truth[:, 0], atol=1e-6)
+    # Position along the course: heights that are 3 mm off at most make the 30 mm by which the base
+    # comes to stand above the target point, 0.35 m away, a position that is 0.3 mm off at most.
+    np.testing.assert_allclose(drawn.qpos[:, 0], truth[:, 0], atol=3e-4)
     # Height: the closed form knows no sag of the servos and tyres under the weight.
     np.testing.assert_allclose(drawn.qpos[:, 2], truth[:, 2], atol=0.003)
     # Tilt: as driven, within 1.5°.
@@ -42,6 +44,19 @@ def test_on_level_ground_a_log_is_drawn_as_it_was_simulated(simulated):
     np.testing.assert_allclose(drawn.qpos[:, legs], truth[:, legs], atol=0.02)
     assert drawn.caption == CAPTION
     assert "logged for 1.50 s" in drawn.outcome
+
+
+def test_a_log_of_level_poses_gives_back_where_they_were():
+    # x, sprawl and FBEM of poses as low and as high as the robot stands on the floor.
+    x_m = np.array([-0.4, -0.2, 0.0, 0.2, 0.3])
+    sprawl, fbem = np.array([0.0, 30, 48, 70, 90]), np.array([0.0, 72, 0, -72, 40])
+    above_m = (
+        standing_height_mm(sprawl, fbem, "wheels") - standing_height_mm(48, 0, "wheels")
+    ) / 1e3
+    assert np.ptp(above_m) > 0.08
+    rows = np.stack([np.arange(5.0), sprawl, fbem, np.hypot(0.32 - x_m, above_m)], axis=1)
+    drawn = replay_log(CHANNEL, CONFIG, 300.0, rows, success=False)
+    np.testing.assert_allclose(drawn.qpos[:, 0], x_m, atol=1e-12)
 
 
 def test_the_last_row_of_a_success_lies_beyond_the_target():
@@ -67,7 +82,11 @@ def test_a_wheel_at_a_step_touches_its_edge():
 
 def test_a_robot_on_a_step_is_drawn_level_on_top_and_tilted_on_the_way():
     step = find_obstacle("step")
-    distance = CONFIG.course.target_m - np.array([-0.3, 0.0, 0.15])
+    ahead, above = 0.32 - np.array([-0.3, 0.0, 0.15]), np.array([0.0, 0.0, 0.04])
+    # Half-way up, the base is raised by half the step, and lowered by the tilt of its legs.
+    tilt, stand = np.arcsin(40 / 145.6), standing_height_mm(48, 0, "wheels") / 1e3
+    above[1] = 0.02 - stand * (1 - np.cos(tilt))
+    distance = np.hypot(ahead, above)
     rows = np.stack([np.arange(3.0), np.full(3, 48.0), np.zeros(3), distance], axis=1)
     before, on_the_edge, on_top = replay_log(step, CONFIG, 40.0, rows, success=False).qpos
     assert on_top[2] - before[2] == pytest.approx(0.04)

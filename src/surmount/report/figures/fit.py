@@ -11,6 +11,7 @@ from matplotlib.figure import Figure as StillFigure
 from matplotlib.ticker import MaxNLocator
 
 from surmount.analysis.component_count import BICCurve
+from surmount.analysis.explanation import describe_bic_choice
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
@@ -46,6 +47,7 @@ def mixture_fit(analysis: Analysis) -> Figure:
     ]
     if analysis.bic is not None:
         caption.append(_bic_sentence(analysis.bic))
+        caption.append(f"K was chosen on {where}, {describe_bic_choice(analysis)}.")
     if len(analysis.features.names) > len(names):
         caption.append(
             f"Shown are the first {len(names)} of {len(analysis.features.names)} features."

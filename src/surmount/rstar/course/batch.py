@@ -36,11 +36,11 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
     """RSTAR before narrow channels, low entrances or steps, any number of them at once.
 
     Observations are ``float32``: yaw, pitch (step only), FBEM angle, sprawl angle, tangential
-    speed, distance to the obstacle and the obstacle's size, each ``(value − centre) / scale``,
-    clipped. Actions are speed, FBEM and sprawl, in [−1, 1], clipped: rates of the three targets as
-    fractions of their limits, held for a decision interval and integrated at every physics tick;
-    targets stay within their ranges. The tables with symbols, units and ranges are in
-    ``docs/environments.md``.
+    speed, distance to the obstacle, the servos' targets where they are observed, and the obstacle's
+    size, each ``(value − centre) / scale``, clipped. Actions are speed, FBEM and sprawl, in
+    [−1, 1], clipped: rates of the three targets as fractions of their limits, held for a decision
+    interval and integrated at every physics tick; targets stay within their ranges. The tables with
+    symbols, units and ranges are in ``docs/environments.md``.
 
     Reward: eq. 6, see :class:`~surmount.rstar.course.rewards.Reward`. An episode ends when the base
     passes the target line (success), falls off the floor or diverges (terminated), or at the cap
@@ -100,7 +100,6 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         if num_envs < 1:
             raise ConfigError(f"`num_envs` is {num_envs}.", remedy="Give 1 or more.")
         self.config = config or EnvConfig()
-        self.decision_interval_s = self.config.decision_interval_s
         self.obstacle = find_obstacle(obstacle)
         self.num_envs = num_envs
         self.render_mode = render_mode
@@ -111,9 +110,10 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             "render_fps": round(1 / self.config.decision_interval_s),
             "autoreset_mode": self.autoreset_mode,
         }
+        self.decision_interval_s: float = self.config.decision_interval_s
         self.task_parameters: tuple[str, ...] = (self.obstacle.parameter,)
         self.feature_names: tuple[str, ...] = FEATURE_NAMES
-        terms = observation_terms(self.obstacle)
+        terms = observation_terms(self.obstacle, targets=self.config.observe_targets)
         bounds = np.array([term.bound for term in terms], dtype=np.float32)
         self.single_observation_space = Box(-bounds, bounds, dtype=np.float32)
         self.single_action_space = Box(-1.0, 1.0, shape=(len(ACTIONS),), dtype=np.float32)
@@ -129,7 +129,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
             np.array([self.obstacle.upper]),
         )
         self._streams = Streams(num_envs)
-        self._episodes = Episodes(num_envs, self.config)
+        self._episodes = Episodes(num_envs, self.obstacle, self.config)
         self._observer = Observer(terms, num_envs)
         self._randomiser: Randomiser | None = None
         if not self.config.randomisation.is_off:

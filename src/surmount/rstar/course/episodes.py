@@ -10,6 +10,8 @@ import numpy as np
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.measures import Measures
+from surmount.rstar.course.obstacles import Obstacle, surface_m
+from surmount.rstar.course.start_poses import start_height_m
 
 _ONE: IntArray = np.array(1)
 
@@ -21,8 +23,8 @@ class Episodes:
     ----------
     num_envs
         Number of environments.
-    config
-        Target, fall depth and cap.
+    obstacle, config
+        Family; target, fall depth and cap.
 
     Attributes
     ----------
@@ -39,12 +41,20 @@ class Episodes:
     interval_s, target_m
         Time between decisions in s and position of the target line in m, as arrays of no dimension:
         NumPy takes half as long again for an operation with a number (ADR 41).
+    target_point_m
+        Where each episode's distance is measured to, in m, shape ``(3, env)``: the middle of the
+        target line, at the height that the base has in the start pose above the surface there
+        (the floor, unless the line lies on a step), so that a robot in that pose reaches it.
     any_over
         Whether any episode has ended and not begun anew.
     """
 
-    def __init__(self, num_envs: int, config: EnvConfig) -> None:
+    def __init__(self, num_envs: int, obstacle: Obstacle, config: EnvConfig) -> None:
+        self._obstacle, self._course = obstacle, config.course
         course = config.course
+        self._start_height_m = start_height_m(config)
+        self.target_point_m: FloatArray = np.zeros((3, num_envs))
+        self.target_point_m[0] = course.target_m
         self.interval_s: FloatArray = np.array(config.decision_interval_s)
         self.target_m: FloatArray = np.array(course.target_m)
         self._lowest_m: FloatArray = np.array(-course.fall_depth_m)
@@ -126,6 +136,8 @@ class Episodes:
         self.any_over = bool(over.any())
         self._decisions_left = self._cap - int(self.steps[~over].max(initial=0))
         self.completion_time_s = np.where(self.success, self.steps * self.interval_s, self._cap_s)
+        surface = surface_m(self._obstacle, self._course, self._course.target_m, self.variant[:, 0])
+        self.target_point_m[2] = surface + self._start_height_m
 
     def state_dict(self) -> dict[str, Any]:
         """Return all that is known of the present episodes, as arrays."""

@@ -16,7 +16,7 @@ Infos = dict[str, Any]
 
 INFO_KEYS = {
     "features": "`time_s`, `sprawl_deg`, `fbem_deg`, `distance_m`: the logged features (paper "
-    "II-A), the distance from the base to the middle of the target line",
+    "II-A), the distance in three dimensions from the base to the target point",
     "variant": "size of the episode's obstacle in mm",
     "is_success": "whether the base has passed the target line",
     "diverged": "whether the physics diverged, which ends the episode",
@@ -32,7 +32,9 @@ def step_infos(measures: Measures, episodes: Episodes) -> Infos:
     """Return the infos of all environments, without masks, one row per environment."""
     fbem_deg, sprawl_deg = episodes.path_deg.copy()
     return {
-        "features": features(measures, episodes.steps, episodes.interval_s, episodes.target_m),
+        "features": features(
+            measures, episodes.steps, episodes.interval_s, episodes.target_point_m
+        ),
         "variant": episodes.variant.copy(),
         "is_success": episodes.success.copy(),
         "diverged": episodes.diverged.copy(),

@@ -10,6 +10,8 @@ from surmount.core.arrays import FloatArray, IntArray
 
 MEASURES = ("yaw_deg", "pitch_deg", "fbem_deg", "sprawl_deg", "speed_mps", "x_m", "y_m", "z_m")
 """Rows of :class:`Measures`."""
+TARGETS = ("speed_target_mps", "fbem_target_deg", "sprawl_target_deg")
+"""Further rows where the servos' targets are observed, in the order of the actions."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,10 +25,15 @@ class Measures:
     ----------
     rows
         One row per measure, in the order of :data:`MEASURES`, shape ``(measure, env)``; each row
-        is also a property of its name, of shape ``(env,)``.
+        is also a property of its name, of shape ``(env,)``. Where the servos' targets are
+        observed, the rows of :data:`TARGETS` follow.
+    carrier_x_m
+        Position along the course of the middle between both carriers, half-way between their
+        axles, shape ``(env,)``; None where nothing asks for it.
     """
 
     rows: FloatArray
+    carrier_x_m: FloatArray | None = None
 
     @property
     def yaw_deg(self) -> FloatArray:
@@ -78,6 +85,11 @@ class Measures:
         """Height of the base above the floor."""
         return self.rows[7]
 
+    @property
+    def position_m(self) -> FloatArray:
+        """Position of the base, shape ``(3, env)``."""
+        return self.rows[5:8]
+
 
 FEATURE_NAMES = ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
 """Features logged at every decision (paper II-A)."""
@@ -87,12 +99,11 @@ def features(
     measures: Measures,
     steps: IntArray,
     decision_interval_s: FloatArray | float,
-    target_m: FloatArray | float,
+    target_point_m: FloatArray,
 ) -> FloatArray:
     """Return the logged features, shape ``(env, feature)``.
 
-    The distance is Euclidean, in the horizontal plane, from the base to the target point: the
-    middle of the target line.
+    The distance is Euclidean, in three dimensions, from the base to the target point.
 
     Parameters
     ----------
@@ -102,15 +113,15 @@ def features(
         Decisions since each episode began, shape ``(env,)``.
     decision_interval_s
         Time between decisions in s.
-    target_m
-        Position of the target line along the course in m.
+    target_point_m
+        Each environment's target point in m, shape ``(3, env)``; see
+        :class:`~surmount.envs.episodes.Episodes`.
     """
     rows = np.empty((len(FEATURE_NAMES), steps.size))
     np.multiply(steps, decision_interval_s, out=rows[0])
     rows[1:3] = measures.joints_deg[::-1]
-    square = target_m - measures.x_m
-    square *= square
-    y_m = measures.y_m
-    square += y_m * y_m
-    np.sqrt(square, out=rows[3])
+    offset_m = measures.position_m - target_point_m
+    offset_m *= offset_m
+    np.add.reduce(offset_m, axis=0, out=rows[3])
+    np.sqrt(rows[3], out=rows[3])
     return rows.T

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from surmount.core.arrays import FloatArray
-from surmount.rstar.course.measures import MEASURES, Measures
+from surmount.rstar.course.actions import ACTION_TERMS
+from surmount.rstar.course.measures import MEASURES, TARGETS, Measures
 from surmount.rstar.course.obstacles import Obstacle
 from surmount.rstar.robot import constants as c
 
@@ -16,6 +17,7 @@ Observations = npt.NDArray[np.float32]
 
 SIZE = "size_mm"
 """The one source of a term that is not a measure: the obstacle's size."""
+_ROWS = (*MEASURES, *TARGETS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +29,7 @@ class ObservationTerm:
     name, symbol, unit, meaning
         What it is. S is the symbol of the paper's eq. 6, the others are this project's.
     source, sign
-        The value is ``sign`` times this measure, or the obstacle's size.
+        The value is ``sign`` times this measure or target, or the obstacle's size.
     centre, scale, bound
         In the unit; the bound is a multiple of the scale.
     """
@@ -43,8 +45,33 @@ class ObservationTerm:
     bound: float = 2.0
 
 
-def observation_terms(obstacle: Obstacle) -> tuple[ObservationTerm, ...]:
-    """Return the entries of the observation in order (paper III-B)."""
+def target_terms() -> tuple[ObservationTerm, ...]:
+    """Return the entries of the servos' targets: what the policy's own actions have added up to."""
+    return tuple(
+        ObservationTerm(
+            name=f"{term.name}_target",
+            symbol=f"{term.symbol}*",
+            unit=term.unit,
+            meaning=f"target of the servos: {term.meaning}",
+            source=source,
+            centre=(term.upper + term.lower) / 2,
+            scale=(term.upper - term.lower) / 2,
+            bound=1.0,
+        )
+        for term, source in zip(ACTION_TERMS, TARGETS, strict=True)
+    )
+
+
+def observation_terms(obstacle: Obstacle, *, targets: bool = False) -> tuple[ObservationTerm, ...]:
+    """Return the entries of the observation in order (paper III-B).
+
+    Parameters
+    ----------
+    obstacle
+        Family.
+    targets
+        Whether the servos' targets are observed, before the obstacle's size.
+    """
     yaw = ObservationTerm(
         name="yaw",
         symbol="ψ",
@@ -100,6 +127,7 @@ def observation_terms(obstacle: Obstacle) -> tuple[ObservationTerm, ...]:
             scale=0.3,
             bound=4.0,
         ),
+        *(target_terms() if targets else ()),
         ObservationTerm(
             name="size",
             symbol=what[0],
@@ -128,7 +156,7 @@ class Observer:
             # One column per environment: NumPy takes twice as long where it has to repeat one.
             return np.repeat(np.array(values)[:, None], num_envs, axis=1)
 
-        self._source = np.array([MEASURES.index(term.source) for term in terms[:-1]])
+        self._source = np.array([_ROWS.index(term.source) for term in terms[:-1]])
         # A sign in the scale gives the same bits as one on the value.
         self._scale = rows([term.sign * term.scale for term in terms])
         self._centre = rows([term.sign * term.centre for term in terms])

@@ -200,6 +200,26 @@ def block_positions(obstacle: Obstacle, course: CourseConfig, size_mm: FloatArra
     return positions
 
 
+def surface_m(
+    obstacle: Obstacle, course: CourseConfig, x_m: float, size_mm: FloatArray
+) -> FloatArray:
+    """Return the height of what lies under the middle of the course at ``x_m``, in m.
+
+    The floor everywhere, except on a step.
+
+    Parameters
+    ----------
+    obstacle, course
+        Family and course.
+    x_m
+        Position along the course from the front face, in m.
+    size_mm
+        Size of each obstacle in mm, of any shape; the result has it too.
+    """
+    on_top = obstacle.name == "step" and 0.0 <= x_m <= course.obstacle_length_m
+    return size_mm * (1e-3 if on_top else 0.0)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Poses:
     """Level poses: base position in m, angles in degrees; each field of shape ``(pose,)``."""

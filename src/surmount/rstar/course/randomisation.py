@@ -97,7 +97,10 @@ class RandomisationConfig:
 
     @property
     def deviations(self) -> dict[str, float]:
-        """Standard deviation of each observation term, by its name, in its unit."""
+        """Standard deviation of each observation term that is measured, by its name, in its unit.
+
+        The servos' targets are known, not measured: they have none.
+        """
         return {
             "yaw": self.attitude_noise_deg,
             "pitch": self.attitude_noise_deg,

@@ -44,7 +44,7 @@ class Randomiser:
     ) -> None:
         num_envs = batch.nsim
         self._config = config
-        self._deviation: FloatArray = np.array([config.deviations[term] for term in terms])
+        self._deviation: FloatArray = np.array([config.deviations.get(term, 0.0) for term in terms])
         self._dynamics = Dynamics(batch) if config.varies_dynamics else None
         self.factors: FloatArray = np.ones((num_envs, len(FACTORS)))
         self.delay: DelayLine | None = None

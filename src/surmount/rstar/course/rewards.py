@@ -79,11 +79,13 @@ class Reward:
         Parameters
         ----------
         now
-            What is measured after the decision.
+            What is measured after the decision. D_z is measured from the carriers where their
+            position is among it, else from the base.
         change_deg
             Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``.
         """
-        left_m = self._target_m - now.x_m
+        point_m = now.x_m if now.carrier_x_m is None else now.carrier_x_m
+        left_m = self._target_m - point_m
         np.maximum(left_m, _NOTHING, out=left_m)
         tilt_deg = np.abs(now.attitude_deg)
         total = self.distance(left_m, tilt_deg[0])

@@ -65,7 +65,7 @@ class Simulation:
             int(self.model.body(block.name).mocapid[0]) for block in blocks(obstacle, config.course)
         ]
         self._action_of_servo, self._rate_of_servo = self._servo_map()
-        self._gauge = Gauge(self.batch, config.robot)
+        self._gauge = Gauge(self.batch, config)
         self._before: FloatArray = np.empty_like(self.batch.state)
         self._speeds: FloatArray = np.empty(self._qvel.shape)
         self._none: BoolArray = np.zeros(num_envs, dtype=np.bool_)

@@ -27,13 +27,18 @@ class Start:
     fbem_deg: float
 
 
+def start_height_m(config: EnvConfig) -> float:
+    """Return the height of the base above the ground in the start pose, standing level, in m."""
+    height = kinematics.standing_height_mm(c.START_SPRAWL_DEG, c.START_FBEM_DEG, config.robot.gear)
+    return float(height) * 1e-3
+
+
 def fixed_start(config: EnvConfig) -> Start:
     """Return the start of every roll-out: sprawl 48°, FBEM 0°, fixed distance (paper III-C)."""
-    height = kinematics.standing_height_mm(c.START_SPRAWL_DEG, c.START_FBEM_DEG, config.robot.gear)
     return Start(
         x_m=config.course.fixed_start_m,
         y_m=0.0,
-        z_m=float(height) * 1e-3,
+        z_m=start_height_m(config),
         yaw_deg=0.0,
         sprawl_deg=c.START_SPRAWL_DEG,
         fbem_deg=c.START_FBEM_DEG,

@@ -182,7 +182,9 @@ def _by_network(wanted: Wanted, path: Path, run: RunFolder | None, stage: str) -
     obstacle, config = _course(wanted, run=run, network=network, task=wanted.task)
     seed = wanted.seed or 0
     for size_mm in wanted.sizes_mm or (obstacle.hardest,):
-        pilot = PolicyPilot(network, obstacle, seed=seed, deterministic=wanted.deterministic)
+        pilot = PolicyPilot(
+            network, obstacle, config, seed=seed, deterministic=wanted.deterministic
+        )
         drawn = "its mean actions" if wanted.deterministic else f"actions drawn by seed {seed}"
         yield record_motion(
             obstacle,

@@ -16,6 +16,7 @@ from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.configured import obstacle_of
 from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.measures import FEATURE_NAMES
 from surmount.rstar.course.obstacles import Obstacle
 from surmount.rstar.film.motion import Motion, record_motion
 from surmount.rstar.film.policy_pilot import PolicyPilot
@@ -80,8 +81,8 @@ def logged_motion(log: Log, trial: int) -> Motion:
     """Return the motion of a logged trial.
 
     A trial of a run is simulated again, with the same network, seed and noise. It is shown if its
-    features equal the log to the last bit. Other trials are drawn from the log, and the caption
-    says so.
+    features equal the log to the last bit; older logs hold the distance in the horizontal plane,
+    and theirs is compared with that. Other trials are drawn from the log, and the caption says so.
 
     Parameters
     ----------
@@ -96,10 +97,27 @@ def logged_motion(log: Log, trial: int) -> Motion:
     again = _simulated(log, trial, size_mm)
     if again is not None and np.array_equal(again.features, features):
         return replace(again, caption=f"{name}, simulated again: equal to its log")
+    if again is not None and np.array_equal(_in_the_plane(again), features):
+        equal = "equal to its log, whose distance leaves out the height"
+        return replace(again, caption=f"{name}, simulated again: {equal}")
     success = bool(log.trials.success[trial])
     drawn = replay_log(log.obstacle, log.config, size_mm, features, success=success)
     reason = "" if again is None else f"; simulated again, it departs {_departure(again, features)}"
     return replace(drawn, caption=f"{name}, {CAPTION}{reason}")
+
+
+def _in_the_plane(motion: Motion) -> FloatArray:
+    """Return a motion's features with the distance in the horizontal plane, shape ``(step, 4)``."""
+    at_decisions = motion.qpos[:: motion.config.ticks_per_decision, :2]
+    if len(at_decisions) < len(motion.features):  # the last decision diverged and was undone
+        at_decisions = np.concatenate([at_decisions, at_decisions[-1:]])
+    x_m, y_m = at_decisions.T
+    square = motion.config.course.target_m - x_m
+    square *= square
+    square += y_m * y_m
+    features = motion.features.copy()
+    features[:, FEATURE_NAMES.index("distance_m")] = np.sqrt(square)
+    return features
 
 
 def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
@@ -118,6 +136,7 @@ def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
     pilot = PolicyPilot(
         Snapshot.load(made.path(NETWORK)),
         log.obstacle,
+        log.config,
         seed=stage.seed,
         deterministic=rollout.deterministic,
         trials=int(shard.sum()),

@@ -12,6 +12,7 @@ from surmount.learn.noise import CorrelatedNoise
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.course.batch import ObstacleVectorEnv
+from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.observations import Observations, observation_terms
 from surmount.rstar.course.obstacles import Obstacle
 
@@ -30,8 +31,8 @@ class PolicyPilot:
     ----------
     network
         The network.
-    obstacle
-        Family that it acts on.
+    obstacle, config
+        Family and configuration that it acts on.
     seed
         Seed of the roll-out.
     deterministic
@@ -49,6 +50,7 @@ class PolicyPilot:
         self,
         network: Snapshot,
         obstacle: Obstacle,
+        config: EnvConfig,
         *,
         seed: int,
         deterministic: bool,
@@ -56,13 +58,13 @@ class PolicyPilot:
         trial: int = 0,
     ) -> None:
         inputs = network.tensors[INPUT_LAYER].shape[1] if INPUT_LAYER in network.tensors else None
-        terms = observation_terms(obstacle)
+        terms = observation_terms(obstacle, targets=config.observe_targets)
         if inputs != len(terms):
             raise InputError(
                 f"The network takes {inputs} observations, and {obstacle.name} has {len(terms)}.",
-                remedy="Name the obstacle that it was trained on.",
+                remedy="Name the obstacle, and the `env.observe_targets`, that it was trained on.",
             )
-        env = ObstacleVectorEnv(obstacle.name, 1)
+        env = ObstacleVectorEnv(obstacle.name, 1, config=config)
         actions: Any = env.single_action_space
         self._actor = Actor(network, env.single_observation_space, actions)
         self._rng = None if deterministic else np.random.default_rng(seed)

@@ -1,8 +1,9 @@
 """Logged trials drawn from what their log holds, for logs that cannot be simulated again.
 
-A log holds time, sprawl, FBEM and the distance to the target. It does not hold height, tilt,
+A log holds time, sprawl, FBEM and the distance to the target point. It does not hold height, tilt,
 lateral offset or the turning of the wheels: here the robot keeps to the middle of the course,
-each axle stands on what lies below it, and the wheels roll. Near a step this is a guess.
+each axle stands on what lies below it, and the wheels roll. Near a step, and in the last
+centimetres before the target, this is a guess.
 """
 
 from __future__ import annotations
@@ -15,15 +16,17 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.rstar.course.config import CourseConfig, EnvConfig
 from surmount.rstar.course.measures import FEATURE_NAMES
-from surmount.rstar.course.obstacles import Obstacle
+from surmount.rstar.course.obstacles import Obstacle, surface_m
 from surmount.rstar.course.simulation import Simulation
-from surmount.rstar.course.start_poses import Start
+from surmount.rstar.course.start_poses import Start, start_height_m
 from surmount.rstar.film.motion import Motion
 from surmount.rstar.robot import constants as c
 from surmount.rstar.robot import kinematics
 from surmount.rstar.robot.running_gear import rolling_radius_m, wheel_names
 from surmount.trials.trials import Trials
 
+ROUNDS = 8
+"""Rounds in which position and height are found from each other."""
 CAPTION = "drawn from its log, which holds neither height nor tilt"
 
 
@@ -39,7 +42,7 @@ def replay_log(
     size_mm
         Size of the obstacle in mm.
     features
-        Rows of :data:`~surmount.rstar.course.observations.FEATURE_NAMES`, shape ``(step, 4)``.
+        Rows of :data:`~surmount.rstar.course.measures.FEATURE_NAMES`, shape ``(step, 4)``.
     success
         Whether the trial reached the target: its last row then lies beyond the target line.
 
@@ -52,16 +55,20 @@ def replay_log(
     time_s, sprawl_deg, fbem_deg, distance_m = features.T
     _check(time_s, sprawl_deg, fbem_deg)
     course = config.course
-    x_m = course.target_m - distance_m
+    surface = surface_m(obstacle, course, course.target_m, np.array(size_mm))
+    target_z_m = float(surface) + start_height_m(config)
+    ahead = np.ones_like(distance_m)
     if success:
-        x_m[-1] = course.target_m + distance_m[-1]
+        ahead[-1] = -1.0
     shift_m = kinematics.body_shift_mm(fbem_deg) * 1e-3
-    stand_m = kinematics.standing_height_mm(sprawl_deg, fbem_deg, config.robot.gear) * 1e-3
-    half_m = c.WHEELBASE_MM / 2 * 1e-3
-    front_m = support_m(obstacle, course, size_mm, x_m - shift_m + half_m)
-    rear_m = support_m(obstacle, course, size_mm, x_m - shift_m - half_m)
-    pitch = np.arcsin((front_m - rear_m) / (2 * half_m))
-    z_m = (front_m + rear_m) / 2 + shift_m * np.sin(pitch) + stand_m * np.cos(pitch)
+    # Where the robot is along the course says how high it stands, and its height with the distance
+    # where it is: begun level with the target point, this settles within a few rounds.
+    z_m, pitch = np.full_like(distance_m, target_z_m), np.zeros_like(distance_m)
+    x_m = distance_m
+    for _ in range(ROUNDS):
+        left_m = np.sqrt(np.maximum(distance_m**2 - (z_m - target_z_m) ** 2, 0.0))
+        x_m = course.target_m - ahead * left_m
+        z_m, pitch = _standing(obstacle, config, size_mm, x_m, sprawl_deg, fbem_deg)
 
     simulation = Simulation(obstacle, config, 1, 1)
     coordinates: FloatArray = simulation.batch.bind("qpos")
@@ -94,6 +101,25 @@ def replay_log(
         qpos=qpos,
         features=features,
     )
+
+
+def _standing(
+    obstacle: Obstacle,
+    config: EnvConfig,
+    size_mm: float,
+    x_m: FloatArray,
+    sprawl_deg: FloatArray,
+    fbem_deg: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return height of the base in m and pitch in rad, with each axle on what lies below it."""
+    course, half_m = config.course, c.WHEELBASE_MM / 2 * 1e-3
+    shift_m = kinematics.body_shift_mm(fbem_deg) * 1e-3
+    stand_m = kinematics.standing_height_mm(sprawl_deg, fbem_deg, config.robot.gear) * 1e-3
+    front_m = support_m(obstacle, course, size_mm, x_m - shift_m + half_m)
+    rear_m = support_m(obstacle, course, size_mm, x_m - shift_m - half_m)
+    pitch = np.arcsin((front_m - rear_m) / (2 * half_m))
+    z_m = (front_m + rear_m) / 2 + shift_m * np.sin(pitch) + stand_m * np.cos(pitch)
+    return z_m, pitch
 
 
 def support_m(
