@@ -27,6 +27,7 @@ from .envs.registry import registered_families as registered_families
 from .envs.task_env import TaskEnv as TaskEnv
 from .envs.task_env import Transition as Transition
 from .experiment.config import ExperimentConfig as ExperimentConfig
+from .experiment.experiment import Experiment as Experiment
 from .experiment.presets import preset as preset
 from .exports.formats import export_curriculum as export_curriculum
 from .exports.ml_agents import export_ml_agents as export_ml_agents

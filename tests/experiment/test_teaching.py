@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import polars as pl
 import pytest
+from plain_run import run
 from small import SMALL, Watcher, small_config
 
 from surmount.core.configuration import override
@@ -12,7 +13,7 @@ from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
 from surmount.experiment.learning_speed import steps_to_95, success_in_training
 from surmount.experiment.presets import preset
-from surmount.experiment.running import begin, run
+from surmount.experiment.running import begin
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.learn.training_episodes import TrainingEpisodes

@@ -52,28 +52,24 @@ def compare(arguments: Sequence[str]) -> int:
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
     from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
 
-    from surmount.cli.running import run_experiment  # noqa: PLC0415
     from surmount.core.records import read_record  # noqa: PLC0415
+    from surmount.experiment.experiment import Experiment  # noqa: PLC0415
     from surmount.experiment.teacher_statistics import FILE  # noqa: PLC0415
-    from surmount.experiment.teaching import COMPARISON, comparison_graph  # noqa: PLC0415
-    from surmount.report.pages import write_report  # noqa: PLC0415
+    from surmount.experiment.teaching import COMPARISON  # noqa: PLC0415
     from surmount.report.teachers_page import write_teachers_report  # noqa: PLC0415
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
     console = Console()
-    outcome = run_experiment(
-        options.out,
-        chosen,
-        lambda config: comparison_graph(config, options.teachers, teaching),
-        options.workers,
-        console,
+    experiment = Experiment(chosen, options.out)
+    outcome = experiment.compare(
+        options.teachers, settings=teaching, **options.workers.checked(), console=console
     )
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED
     record = read_record(outcome.artefacts[COMPARISON].path(FILE))
-    write_report(options.out)
+    experiment.report(films_too=False)
     page = write_teachers_report(record, options.out)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)

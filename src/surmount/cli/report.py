@@ -7,8 +7,8 @@ from typing import Annotated
 
 import tyro
 
-from surmount.cli.films import films
 from surmount.core.errors import ConfigError
+from surmount.experiment.films import films
 from surmount.report.pages import write_report
 from surmount.studies.paper.pages import write_overview
 

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from surmount.core.configuration import differences, to_record
 from surmount.core.errors import OutputError
 from surmount.core.records import read_record, write_record
 from surmount.experiment.config import ExperimentConfig, config_from_record
-from surmount.experiment.protocol import protocol
-from surmount.workflow.artefact_store import ArtefactStore
 from surmount.workflow.earlier import up_to_date
-from surmount.workflow.executor import RETRIES, Executor
-from surmount.workflow.graph import Stage
-from surmount.workflow.journal import Journal
 from surmount.workflow.provenance import provenance
 from surmount.workflow.run_layout import RUN, SCHEMA
-from surmount.workflow.runner import GraphRunner, RunObserver, RunOutcome
 from surmount.workflow.store import output_errors
 
 
@@ -72,49 +65,6 @@ def refuse_other(root: Path, config: ExperimentConfig) -> None:
                 f"{root} holds files that are not of an experiment.",
                 remedy="Choose an --out folder that is empty or does not exist.",
             )
-
-
-def run(
-    root: Path,
-    config: ExperimentConfig,
-    executor: Executor,
-    observer: RunObserver,
-    *,
-    on_ready: Callable[[GraphRunner], None] = lambda _: None,
-    url: str | None = None,
-    retries: int = RETRIES,
-    stages: Iterable[Stage] | None = None,
-) -> RunOutcome:
-    """Run what is missing of an experiment, and keep an index of its artefacts.
-
-    Parameters
-    ----------
-    root
-        Folder claimed by :func:`begin`.
-    config
-        The experiment.
-    executor, observer
-        Where stages run, and who watches.
-    on_ready
-        Called with the runner before it starts, to let signals stop it.
-    url
-        An object store that has the same stages as the folder, for workers that do not see it.
-    retries
-        How often a stage is run again after its worker was lost.
-    stages
-        The graph; the protocol's if not given.
-    """
-    runner = GraphRunner(
-        root,
-        protocol(config) if stages is None else stages,
-        executor,
-        Journal(root, observer),
-        depot=ArtefactStore(root=root, url=url),
-        retries=retries,
-    )
-    on_ready(runner)
-    with output_errors(root):
-        return runner.run()
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:
