@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from surmount.core.run_layout import TRAININGS
+from surmount.core.run_layout import CURRICULUM, TRAININGS
 from surmount.core.teacher import LevelTest
 from surmount.report.document import Block, Column, Fold, Notice, Paragraph, Section, Table
 from surmount.report.gain_noise import CLEAR, gain_noise
@@ -31,7 +31,7 @@ def learning_section(results: RunResults) -> Section:
         )
     blocks.append(training_table(results))
     if results.analysis is not None:
-        blocks += levels_left_blocks(results.trainings["curriculum"], results.analysis.curriculum)
+        blocks += levels_left_blocks(results.trainings[CURRICULUM], results.analysis.curriculum)
     blocks += level_tests(results)
     return Section(anchor="learning", title="Learning", blocks=tuple(blocks))
 
@@ -83,7 +83,7 @@ def level_tests(results: RunResults) -> list[Block]:
     """Return a table of all level tests, or one per network where there are many."""
     found = {
         network: training.level_tests
-        for network, training in results.trainings["curriculum"].items()
+        for network, training in results.trainings[CURRICULUM].items()
         if training.level_tests
     }
     if not found:
@@ -98,7 +98,7 @@ def level_tests(results: RunResults) -> list[Block]:
         "neighbouring roll-outs. Every test made:"
     )
     noise = {
-        network: gain_noise(results.trainings["curriculum"][network], window_steps)
+        network: gain_noise(results.trainings[CURRICULUM][network], window_steps)
         for network in found
     }
     rows = {
@@ -145,7 +145,7 @@ def _about_noise(
     )
     if not unclear:
         return []
-    trainings = [results.trainings["curriculum"][network] for network in found]
+    trainings = [results.trainings[CURRICULUM][network] for network in found]
     decisions = sum(training.total_steps for training in trainings)
     episodes = sum(training.episodes for training in trainings)
     unsure = (
