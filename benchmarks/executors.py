@@ -33,7 +33,7 @@ from surmount.core.configuration import override
 from surmount.core.monitor import SilentMonitor
 from surmount.core.records import write_record
 from surmount.experiment import GraphRunner, make_executor, preset
-from surmount.experiment.graph import Stage, check_graph, dependencies
+from surmount.experiment.graph import Stage, StageKind, check_graph, dependencies
 from surmount.experiment.task_family import obstacle_family
 from surmount.experiment.teaching import comparison_graph
 from surmount.learn import Actor, RolloutConfig, Trainer, roll_out
@@ -73,6 +73,10 @@ def burn(context) -> None:
     write_record(context.output / "n.json", {"n": context.seed})
 
 
+WRITE = StageKind(name="write", function=write)
+BURN = StageKind(name="burn", function=burn)
+
+
 def spend(seconds: float) -> None:
     """Use so much processor time."""
     until = time.process_time() + seconds
@@ -83,7 +87,7 @@ def spend(seconds: float) -> None:
 
 def chain(seed: int, length: int) -> list[Stage]:
     return [
-        Stage(name=f"link-{i}", function=write, seed=seed,
+        Stage(name=f"link-{i}", kind=WRITE, seed=seed,
               inputs={"before": (f"link-{i - 1}",)} if i else {})
         for i in range(length)
     ]  # fmt: skip
@@ -117,9 +121,9 @@ def efficiency() -> dict[str, float]:
     for processes in (1, 2):
         executor = make_executor(processes, lambda _: None)
         try:
-            warm = [Stage(name=f"warm-{i}", function=write) for i in range(processes)]
+            warm = [Stage(name=f"warm-{i}", kind=WRITE) for i in range(processes)]
             timed(executor, warm)
-            stages = [Stage(name=f"burn-{i}", function=burn, seed=i) for i in range(4)]
+            stages = [Stage(name=f"burn-{i}", kind=BURN, seed=i) for i in range(4)]
             seconds[f"stages in {processes}"] = timed(executor, stages)
         finally:
             executor.close()

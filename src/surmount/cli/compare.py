@@ -18,8 +18,8 @@ from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import override
 from surmount.core.errors import ConfigError
 from surmount.core.records import read_record
-from surmount.experiment.teacher_statistics import FILE
-from surmount.experiment.teaching import COMPARISON, SETTINGS, comparison_graph
+from surmount.core.run_layout import COMPARISON, COMPARISON_FILE
+from surmount.experiment.teaching import SETTINGS, comparison_graph
 from surmount.report import write_report
 from surmount.report.teachers_page import write_teachers_report
 from surmount.teachers import TEACHERS, TeachersConfig
@@ -79,7 +79,7 @@ def compare(
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED
-    record = read_record(outcome.artefacts[COMPARISON].path(FILE))
+    record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
     write_report(out)
     page = write_teachers_report(record, out)
     console.print(_table(record))

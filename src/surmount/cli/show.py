@@ -13,7 +13,7 @@ from surmount.core.curriculum import Curriculum
 from surmount.core.errors import InputError
 from surmount.core.records import read_record
 from surmount.core.run_folder import open_run
-from surmount.core.run_layout import ANALYSIS, RUN
+from surmount.core.run_layout import ANALYSIS, ANALYSIS_FILE, CURRICULUM_FILE, RUN
 
 
 def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:
@@ -53,7 +53,7 @@ def _resolve(path: Path, *, why: bool) -> Path:
     if (path / RUN).is_file():
         found = open_run(path).stages.get(ANALYSIS)
         folder = path if found is None else found.folder
-    name = "analysis.json" if why else "curriculum.json"
+    name = ANALYSIS_FILE if why else CURRICULUM_FILE
     if not (folder / name).is_file():
         raise InputError(
             f"There is no {name} in {path}.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from surmount.analysis import AnalysisConfig
+from surmount.core.configuration import absent
 from surmount.core.errors import ConfigError
 from surmount.core.run_layout import MOST_NETWORKS
 from surmount.envs import EnvConfig
@@ -39,7 +40,7 @@ class ExperimentConfig:
     checkpoint_steps: int = 50_000
     """Learning steps between checkpoints: what a kill loses at the most (assumed)."""
 
-    own_sha256: str = ""
+    own_sha256: str = field(default="", metadata=absent(""))
     """SHA-256 of the file of one's own environment, empty for RSTAR's obstacles: with another file
     it is another experiment."""
 
@@ -61,7 +62,7 @@ class ExperimentConfig:
     tests: RolloutConfig = field(default_factory=RolloutConfig)
     """Roll-outs that test the trained networks."""
 
-    rollout_shards: int = 1
+    rollout_shards: int = field(default=1, metadata=absent(1))
     """Stages that the roll-outs of a network are divided into by repetitions, to run side by side.
     Each has a seed of its own, so another number gives other trials."""
 

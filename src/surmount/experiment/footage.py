@@ -17,7 +17,14 @@ from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record
 from surmount.core.run_folder import RunFolder, open_run
-from surmount.core.run_layout import ARMS, per_network
+from surmount.core.run_layout import (
+    ARMS,
+    CURRICULUM,
+    INITIATION,
+    NETWORK_FILE,
+    TRIALS_FILE,
+    per_network,
+)
 from surmount.core.trial_table import read_trials
 from surmount.envs import OBSTACLES
 from surmount.envs.manoeuvre import Manoeuvre, Player
@@ -27,7 +34,6 @@ from surmount.envs.stored_manoeuvres import stored_manoeuvre
 from surmount.experiment.logged_trials import Log, logged_motion, run_log
 from surmount.experiment.origin import course, home
 from surmount.experiment.policy_pilot import PolicyPilot
-from surmount.experiment.stages import NETWORK, TRIALS
 from surmount.learn import Snapshot
 
 STANDING_S = 2.0
@@ -103,7 +109,7 @@ def motions(wanted: Wanted) -> Iterator[Motion]:
 
 
 def _of_run(wanted: Wanted, run: RunFolder) -> Iterator[Motion]:
-    trained = [name for name in map(_first_network, (*ARMS, "initiation")) if name in run.stages]
+    trained = [name for name in map(_first_network, (*ARMS, INITIATION)) if name in run.stages]
     stage = wanted.stage or next(iter(trained), "")
     if stage not in run.stages:
         finished = [name for name in run.stages if name.partition("/")[1]]
@@ -114,13 +120,13 @@ def _of_run(wanted: Wanted, run: RunFolder) -> Iterator[Motion]:
             remedy=f"Finished are: {', '.join(finished) or 'none'}.",
         )
     artefact = run.stages[stage]
-    if NETWORK in artefact.files:
-        return _by_network(wanted, artefact.path(NETWORK), run, stage)
-    if TRIALS in artefact.files:
-        return _logged(wanted, artefact.path(TRIALS), run, stage)
+    if NETWORK_FILE in artefact.files:
+        return _by_network(wanted, artefact.path(NETWORK_FILE), run, stage)
+    if TRIALS_FILE in artefact.files:
+        return _logged(wanted, artefact.path(TRIALS_FILE), run, stage)
     raise InputError(
         f"Stage `{stage}` holds neither a network nor trials.",
-        remedy=f"Name one that does, such as {_first_network('curriculum')}.",
+        remedy=f"Name one that does, such as {_first_network(CURRICULUM)}.",
     )
 
 

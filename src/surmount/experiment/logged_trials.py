@@ -10,16 +10,18 @@ from surmount.core.arrays import FloatArray
 from surmount.core.configuration import from_record
 from surmount.core.errors import InputError
 from surmount.core.run_folder import RunFolder
+from surmount.core.run_layout import NETWORK_FILE
 from surmount.core.trials import Trials
 from surmount.envs import EnvConfig, Obstacle, find_obstacle
 from surmount.envs.measures import FEATURE_NAMES
 from surmount.envs.motion import Motion, record_motion
 from surmount.envs.replay import CAPTION, logged_features, replay_log
+from surmount.experiment import kinds
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage
 from surmount.experiment.policy_pilot import PolicyPilot
 from surmount.experiment.protocol import protocol
-from surmount.experiment.stages import FIRST, NETWORK, join_trials, run_trials
+from surmount.experiment.stages import FIRST
 from surmount.learn import RolloutConfig, Snapshot
 
 
@@ -131,7 +133,7 @@ def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
         return None
     index = trial - int(shard.argmax())  # a shard's rows follow one another
     pilot = PolicyPilot(
-        Snapshot.load(made.path(NETWORK)),
+        Snapshot.load(made.path(NETWORK_FILE)),
         log.obstacle,
         log.config,
         seed=stage.seed,
@@ -148,13 +150,13 @@ def _definition(run: RunFolder, name: str, repetition: int) -> Stage | None:
     """Return the stage that rolled a repetition out, as the run's protocol defines it."""
     stages = {stage.name: stage for stage in protocol(from_record(ExperimentConfig, run.config))}
     stage = stages.get(name)
-    if stage is not None and stage.function is join_trials:
+    if stage is not None and stage.kind is kinds.JOIN_TRIALS:
         shards = [stages[shard] for shard in stage.inputs["shards"]]
         stage = max(
             (shard for shard in shards if shard.config[FIRST] <= repetition),
             key=lambda shard: shard.config[FIRST],
         )
-    return stage if stage is not None and stage.function is run_trials else None
+    return stage if stage is not None and stage.kind is kinds.TRIALS else None
 
 
 def _departure(motion: Motion, features: FloatArray) -> str:

@@ -21,13 +21,20 @@ from surmount.core.configuration import override
 from surmount.core.curriculum import Curriculum
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_bytes
-from surmount.core.run_layout import ANALYSIS, ARMS, TRAININGS, TRIALS, per_network
+from surmount.core.run_layout import (
+    ANALYSIS,
+    ARMS,
+    CURRICULUM_FILE,
+    TRAININGS,
+    TRIALS,
+    per_network,
+)
 from surmount.core.store import Artefact
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage
 from surmount.experiment.presets import preset
 from surmount.experiment.protocol import protocol
-from surmount.experiment.stages import CURRICULUM, pooled_trials
+from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.experiment.task_family import task_family
 from surmount.stats import network_difference
@@ -269,7 +276,7 @@ def _outcome(regimes: RegimeMap, cell: Cell, artefacts: Mapping[str, Artefact]) 
     }
     sizes = trials[ARMS[0]].variants()[0][:, 0]
     success = {kind: success_matrix(table) for kind, table in trials.items()}
-    curriculum = Curriculum.load(artefacts[cell.stage(ANALYSIS)].path(CURRICULUM))
+    curriculum = Curriculum.load(artefacts[cell.stage(ANALYSIS)].path(CURRICULUM_FILE))
     return {
         "variants": sizes.tolist(),
         "success": {kind: rates.tolist() for kind, rates in success.items()},

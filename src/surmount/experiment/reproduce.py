@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from surmount.core.configuration import differences, from_record, nearest, to_record
+from surmount.core.configuration import completed, differences, from_record, nearest, to_record
 from surmount.core.errors import ConfigError, OutputError
 from surmount.core.records import read_record, write_record
 from surmount.core.run_layout import RUN, SCHEMA
@@ -175,10 +175,8 @@ def run(
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:
-    stored = read_record(root / RUN).get("config", {})
-    # A key that a folder lacks is from after its time, and had its default.
-    defaults = {"own_sha256": "", "rollout_shards": 1}
-    differing = differences(defaults | stored, to_record(config))
+    stored = completed(ExperimentConfig, read_record(root / RUN).get("config", {}))
+    differing = differences(stored, to_record(config))
     if differing:
         key, (there, here) = next(iter(differing.items()))
         more = f" and {len(differing) - 1} more" if len(differing) > 1 else ""

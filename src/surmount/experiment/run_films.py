@@ -11,12 +11,11 @@ import numpy as np
 from surmount.core.configuration import from_record
 from surmount.core.records import file_hash, read_record, write_record
 from surmount.core.run_folder import RunFolder
-from surmount.core.run_layout import FILM_FOLDER, FILMS, SCHEMA, TRIALS, per_network
+from surmount.core.run_layout import FILM_FOLDER, FILMS, SCHEMA, TRIALS, TRIALS_FILE, per_network
 from surmount.core.trial_table import read_trials
 from surmount.envs import find_obstacle
 from surmount.envs.film import FilmConfig, contact_sheet, frames
 from surmount.envs.video import write_mp4, write_png
-from surmount.experiment import stages
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.logged_trials import logged_motion, run_log
 
@@ -56,7 +55,7 @@ def draw_films(run: RunFolder, say: Callable[[str], None]) -> None:
         if key in earlier:
             drawn.append(earlier[key])
             continue
-        table = run.stages[stage].path(stages.TRIALS)
+        table = run.stages[stage].path(TRIALS_FILE)
         trials = read_trials(table)
         log = run_log(run, stage, trials, str(table))
         motion = logged_motion(log, log.find(size_mm, TRIAL, NETWORK))

@@ -1,4 +1,4 @@
-"""The stages of the protocol: each a function of configuration, seed and input artefacts.
+"""What stages do: each a function of configuration, seed and input artefacts.
 
 =====================  ====================================================================
 stage                  files
@@ -9,24 +9,35 @@ stage                  files
 ``analysis``           ``analysis.json``, ``curriculum.json``
 ``curriculum``         as ``initiation``
 ``control``            as ``initiation``
-``test-initiation``, … ``trials.parquet``
+``teach/…``            as ``initiation``
+``test-…``, ``shard/…`` ``trials.parquet``
 =====================  ====================================================================
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from surmount.analysis import AnalysisConfig, determine_curriculum
+from surmount.analysis import Analysis, AnalysisConfig, determine_curriculum
 from surmount.core.configuration import from_record
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import read_record, write_record
 from surmount.core.regions import Regions
-from surmount.core.run_layout import SCHEMA
+from surmount.core.run_layout import (
+    ANALYSIS_FILE,
+    CONTROL,
+    CURRICULUM_FILE,
+    INITIATION,
+    NETWORK_FILE,
+    SCHEMA,
+    TRAINING_FILE,
+    TRIALS_FILE,
+)
 from surmount.core.store import Artefact
+from surmount.core.task_space import harder_by_success
 from surmount.core.teacher import Teacher
-from surmount.core.training_episodes import TRAINING
 from surmount.core.trial_table import read_trials, write_trials
 from surmount.core.trials import Trials
 from surmount.envs import EnvConfig
@@ -44,12 +55,15 @@ from surmount.learn import (
     Training,
     roll_out,
 )
-from surmount.teachers import AdvancementConfig, LevelTeacher, UniformTeacher
+from surmount.teachers import (
+    AdvancementConfig,
+    Brief,
+    LevelTeacher,
+    TeachersConfig,
+    UniformTeacher,
+    make_teacher,
+)
 
-NETWORK = "network.safetensors"
-TRIALS = "trials.parquet"
-ANALYSIS = "analysis.json"
-CURRICULUM = "curriculum.json"
 FIRST = "first_repetition"
 """Key of the configuration of a shard of trials: the number of its first repetition."""
 
@@ -58,7 +72,7 @@ def initiate(context: StageContext) -> None:
     """Train a new network briefly on uniform variants (II-A)."""
     family = family_of(context)
     teacher = UniformTeacher(
-        family.whole_range, int(context.config["initial_steps"]), label="initiation"
+        family.whole_range, int(context.config["initial_steps"]), label=INITIATION
     )
     write_training(context, train(context, family, teacher, start=None))
 
@@ -67,7 +81,7 @@ def run_trials(context: StageContext) -> None:
     """Roll a network out on every variant and log its behaviour (II-A, III-D)."""
     family = family_of(context)
     config = from_record(RolloutConfig, context.config["trials"])
-    network = Snapshot.load(only(context, "network").path(NETWORK))
+    network = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     env = family.trial_env(len(family.variants) * config.repetitions)
     try:
         actor = Actor(network, env.single_observation_space, env.single_action_space)
@@ -83,20 +97,21 @@ def run_trials(context: StageContext) -> None:
     finally:
         env.close()
     first = int(context.config.get(FIRST, 0))
-    write_trials(context.output / TRIALS, replace(trials, repetition=trials.repetition + first))
+    trials = replace(trials, repetition=trials.repetition + first)
+    write_trials(context.output / TRIALS_FILE, trials)
 
 
 def join_trials(context: StageContext) -> None:
     """Put the shards of a network's trials together, one after the other."""
-    write_trials(context.output / TRIALS, pooled_trials(context.inputs["shards"]))
+    write_trials(context.output / TRIALS_FILE, pooled_trials(context.inputs["shards"]))
 
 
 def analyse(context: StageContext) -> None:
     """Determine the curriculum from the trials of all networks (II-B)."""
     config = from_record(AnalysisConfig, context.config["analysis"])
     analysis = determine_curriculum(pooled_trials(context.inputs["trials"]), config)
-    write_record(context.output / ANALYSIS, analysis.to_record())
-    analysis.curriculum.save(context.output / CURRICULUM)
+    write_record(context.output / ANALYSIS_FILE, analysis.to_record())
+    analysis.curriculum.save(context.output / CURRICULUM_FILE)
     groups = ", ".join(
         f"{group.name} {100 * group.success_rate:.0f} %" for group in analysis.curriculum.groups
     )
@@ -107,12 +122,12 @@ def analyse(context: StageContext) -> None:
 
 def learn_levels(context: StageContext) -> None:
     """Train an initial network on, level by level (II-C)."""
-    curriculum = Curriculum.load(only(context, "analysis").path(CURRICULUM))
+    curriculum = Curriculum.load(only(context, "analysis").path(CURRICULUM_FILE))
     teacher = LevelTeacher(
         [curriculum.level_distribution(level) for level in range(curriculum.n_levels)],
         from_record(AdvancementConfig, context.config["advancement"]),
     )
-    start = Snapshot.load(only(context, "network").path(NETWORK))
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     training = train(
         context, family_of(context), teacher, start=start, regions=Regions.of(curriculum)
     )
@@ -122,15 +137,50 @@ def learn_levels(context: StageContext) -> None:
 def learn_control(context: StageContext) -> None:
     """Train the same initial network on for as many steps, on uniform variants (III-C)."""
     family = family_of(context)
-    steps = int(read_record(only(context, "curriculum").path(TRAINING))["steps"])
-    teacher = UniformTeacher(family.whole_range, steps, label="control")
-    start = Snapshot.load(only(context, "network").path(NETWORK))
+    steps = int(read_record(only(context, "curriculum").path(TRAINING_FILE))["steps"])
+    teacher = UniformTeacher(family.whole_range, steps, label=CONTROL)
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     write_training(context, train(context, family, teacher, start=start))
+
+
+def learn_by_teacher(context: StageContext) -> None:
+    """Train an initial network on by a teacher, for as long as the paper's curriculum took.
+
+    A curriculum without levels took no steps: then no teacher teaches anything.
+    """
+    family = family_of(context)
+    analysis = Analysis.load(only(context, "analysis").path(ANALYSIS_FILE))
+    steps = int(read_record(only(context, "curriculum").path(TRAINING_FILE))["steps"])
+    config: Mapping[str, Any] = context.config
+    brief = Brief(
+        curriculum=analysis.curriculum,
+        variants=analysis.variants,
+        success_rate=analysis.success_rate,
+        whole_range=family.whole_range,
+        harder=family.harder or harder_by_success(analysis.variants, analysis.success_rate),
+        total_steps=steps,
+        seed=context.seed,
+        environments=int(config["learner"]["num_envs"]),
+        analysis=from_record(AnalysisConfig, config["analysis"]),
+        advancement=from_record(AdvancementConfig, config["advancement"]),
+        teachers=from_record(TeachersConfig, config["teaching"]),
+    )
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
+    training = train(
+        context,
+        family,
+        make_teacher(str(config["teacher"]), brief)
+        if steps
+        else UniformTeacher(brief.whole_range, 0),
+        start=start,
+        regions=Regions.of(analysis.curriculum),
+    )
+    write_training(context, training)
 
 
 def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
     """Return the trials of several networks together."""
-    return Trials.concatenate([read_trials(artefact.path(TRIALS)) for artefact in artefacts])
+    return Trials.concatenate([read_trials(artefact.path(TRIALS_FILE)) for artefact in artefacts])
 
 
 def family_of(context: StageContext) -> TaskFamily:
@@ -186,7 +236,7 @@ def write_training(context: StageContext, training: Training) -> None:
     trained_on = {key: context.config[key] for key in ("obstacle", "env")}
     network = training.network
     network = replace(network, record={**network.record, TRAINED_ON: trained_on})
-    network.save(context.output / NETWORK)
+    network.save(context.output / NETWORK_FILE)
     write_history(history, context.output)
     record: dict[str, Any] = {
         "schema": SCHEMA,
@@ -197,4 +247,4 @@ def write_training(context: StageContext, training: Training) -> None:
     }
     if training.faults.occurred:
         record["faults"] = training.faults.to_record()
-    write_record(context.output / TRAINING, record)
+    write_record(context.output / TRAINING_FILE, record)

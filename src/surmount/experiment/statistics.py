@@ -9,12 +9,18 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
-from surmount.core.run_layout import ARMS, SCHEMA
+from surmount.core.run_layout import (
+    ARMS,
+    CURRICULUM_FILE,
+    INITIATION,
+    SCHEMA,
+    STATISTICS_FILE,
+)
 from surmount.core.training_episodes import read_episodes
 from surmount.core.trials import Trials, success_rates
 from surmount.experiment.graph import StageContext
 from surmount.experiment.learning_speed import steps_to_95
-from surmount.experiment.stages import CURRICULUM, pooled_trials
+from surmount.experiment.stages import pooled_trials
 from surmount.stats import (
     Bootstrap,
     bootstrap_interval,
@@ -28,7 +34,6 @@ from surmount.stats import (
     proportion_test,
 )
 
-STATISTICS = "statistics.json"
 TIME = "time_s"
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
@@ -39,18 +44,18 @@ Record = dict[str, Any]
 def compare(context: StageContext) -> None:
     """Write ``statistics.json``: success, times, path lengths and speed of both arms."""
     (analysis,) = context.inputs["analysis"]
-    curriculum = Curriculum.load(analysis.path(CURRICULUM))
-    initiation = pooled_trials(context.inputs["initiation"])
+    curriculum = Curriculum.load(analysis.path(CURRICULUM_FILE))
+    initiation = pooled_trials(context.inputs[INITIATION])
     cap_s = float(context.config["cap_s"])
     arms = {arm: pooled_trials(context.inputs[arm]) for arm in ARMS}
     write_record(
-        context.output / STATISTICS,
+        context.output / STATISTICS_FILE,
         {
             "schema": SCHEMA,
             "cap_s": cap_s,
             "groups": [group.name for group in curriculum.groups],
             "success_by_variant": {
-                "initiation": success_by_variant(initiation),
+                INITIATION: success_by_variant(initiation),
                 **{arm: success_by_variant(trials) for arm, trials in arms.items()},
             },
             "initiation_by_group": [

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.arrays import FloatArray
-from surmount.core.configuration import Record, to_record
+from surmount.core.configuration import Record, key_record
 from surmount.core.errors import ConfigError
 from surmount.core.tasks import TaskDistribution
 from surmount.envs import EnvConfig, ObstacleVectorEnv, find_obstacle
@@ -125,7 +125,7 @@ def task_family(task: str, config: EnvConfig, own_sha256: str = "") -> TaskFamil
 
 def task_part(config: ExperimentConfig) -> Record:
     """Return what the environments of an experiment depend on: settings, and model or source."""
-    record = to_record(config)
+    record = key_record(config)
     source = (
         {"own_sha256": config.own_sha256}
         if is_own(config.obstacle)

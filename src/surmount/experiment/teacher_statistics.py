@@ -10,12 +10,12 @@ from surmount.analysis import Analysis
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.curriculum import Curriculum
 from surmount.core.records import write_record
-from surmount.core.run_layout import SCHEMA
+from surmount.core.run_layout import ANALYSIS_FILE, COMPARISON_FILE, SCHEMA
 from surmount.core.store import Artefact
 from surmount.core.training_episodes import TrainingEpisodes, read_episodes
 from surmount.experiment.graph import StageContext
 from surmount.experiment.learning_speed import WINDOW, steps_to_95
-from surmount.experiment.stages import ANALYSIS, pooled_trials
+from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.stats import (
     Bootstrap,
@@ -26,7 +26,6 @@ from surmount.stats import (
 )
 from surmount.teachers import TaskCells, find_teacher
 
-FILE = "teachers.json"
 REFERENCES = ("paper", "uniform")
 """Teachers that each of the others is compared with."""
 TIME_BINS = 20
@@ -38,7 +37,7 @@ Record = dict[str, Any]
 def compare_teachers(context: StageContext) -> None:
     """Write ``teachers.json``."""
     (artefact,) = context.inputs["analysis"]
-    analysis = Analysis.load(artefact.path(ANALYSIS))
+    analysis = Analysis.load(artefact.path(ANALYSIS_FILE))
     curriculum = analysis.curriculum
     bootstrap = Bootstrap(seed=context.seed)
     names: list[str] = list(context.config["teachers"])
@@ -47,7 +46,7 @@ def compare_teachers(context: StageContext) -> None:
     groups = curriculum.groups_of(analysis.variants)
     cells = TaskCells(analysis.parameters, analysis.variants)
     write_record(
-        context.output / FILE,
+        context.output / COMPARISON_FILE,
         {
             "schema": SCHEMA,
             "parameters": list(analysis.parameters),

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from surmount.core.configuration import Record
+from surmount.core.run_layout import shard
 from surmount.core.seeds import derive_seed
-from surmount.experiment import stages
+from surmount.experiment import kinds
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.graph import Stage
 from surmount.experiment.stages import FIRST
 from surmount.experiment.task_family import task_part
-
-TRIALS_VERSION = 2
-"""2: the logged distance to the target is Euclidean in three dimensions."""
 
 
 def trial_stages(
@@ -40,8 +38,7 @@ def trial_stages(
         return [
             Stage(
                 name=name,
-                function=stages.run_trials,
-                version=TRIALS_VERSION,
+                kind=kinds.TRIALS,
                 config=part,
                 seed=derive_seed(config.seed, config.obstacle, name),
                 inputs={"network": (trained,)},
@@ -51,22 +48,21 @@ def trial_stages(
     first = 0
     for index in range(config.rollout_shards):
         count = len(range(index, int(trials["repetitions"]), config.rollout_shards))
-        shard = f"shard/{name}/{index}"
+        part_name = shard(name, index)
         shards.append(
             Stage(
-                name=shard,
-                function=stages.run_trials,
-                version=TRIALS_VERSION,
+                name=part_name,
+                kind=kinds.TRIALS,
                 config=part | {"trials": trials | {"repetitions": count}, FIRST: first},
-                seed=derive_seed(config.seed, config.obstacle, shard),
+                seed=derive_seed(config.seed, config.obstacle, part_name),
                 inputs={"network": (trained,)},
             )
         )
         first += count
     whole = Stage(
         name=name,
-        function=stages.join_trials,
+        kind=kinds.JOIN_TRIALS,
         seed=derive_seed(config.seed, config.obstacle, name),
-        inputs={"shards": tuple(shard.name for shard in shards)},
+        inputs={"shards": tuple(one.name for one in shards)},
     )
     return [*shards, whole]

@@ -54,11 +54,6 @@ class TaskBatch:
         self._observations: list[Any] = [None] * num_envs
         self._infos: list[dict[str, Any]] = [{}] * num_envs
 
-    @property
-    def decision_interval_s(self) -> float:
-        """Seconds per decision."""
-        return self.envs[0].decision_s
-
     def set_task_distribution(self, distribution: TaskDistribution) -> None:
         """Draw the tasks of coming episodes from another distribution."""
         for env in self.envs:

@@ -15,7 +15,7 @@ from scipy.optimize import linear_sum_assignment
 from surmount.analysis import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.paper import PAPER_RESULTS, SURVIVAL_CLAIM, PaperGroup, PaperResult
-from surmount.core.run_layout import ARMS
+from surmount.core.run_layout import ARMS, INITIATION
 from surmount.report.comparison import Comparison
 from surmount.report.results import Outcomes, RunResults
 from surmount.report.text import (
@@ -71,11 +71,11 @@ def claims_of(results: RunResults) -> tuple[Claim, ...]:
     sizes_mm = results.analysis.variants[:, 0]
     groups = [group for group in paper.groups if group.holds(sizes_mm).any()]
     claims = [_groups(paper, results.analysis), _levels(paper, results.analysis)]
-    if "initiation" in tests:
-        claims += [_initiation(group, tests["initiation"]) for group in groups]
+    if INITIATION in tests:
+        claims += [_initiation(group, tests[INITIATION]) for group in groups]
     of_arms: list[Claim] = []
     if all(arm in tests for arm in ARMS):
-        before = tests.get("initiation")
+        before = tests.get(INITIATION)
         of_arms += [_success(group, tests[ARMS[0]], tests[ARMS[1]], before) for group in groups]
     if results.comparison is not None:
         of_arms.append(_survival(results.comparison))

@@ -9,14 +9,21 @@ from typing import Any, cast
 from surmount.core.errors import IntegrityError
 from surmount.core.records import file_hash
 from surmount.core.run_folder import RunFolder
-from surmount.core.run_layout import FILM_FOLDER, FILMS, read_run_record
+from surmount.core.run_layout import (
+    CONTROL,
+    CURRICULUM,
+    FILM_FOLDER,
+    FILMS,
+    INITIATION,
+    read_run_record,
+)
 from surmount.report.document import Film, Films, Paragraph, Section
 from surmount.report.text import listed
 
 WORDS = {
-    "initiation": "After the initiation",
-    "curriculum": "With the curriculum",
-    "control": "Without it",
+    INITIATION: "After the initiation",
+    CURRICULUM: "With the curriculum",
+    CONTROL: "Without it",
 }
 
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.core.run_layout import TRAININGS
+from surmount.core.run_layout import CURRICULUM, TRAININGS
 from surmount.core.teacher import Decision, LevelTest
 from surmount.report.curves import (
     Curve,
@@ -214,7 +214,7 @@ def _level_name(level: int, levels: int) -> str:
 
 
 def _learning(curves: list[Curve]) -> Curve | None:
-    return next((curve for curve in curves if curve.kind == "curriculum"), None)
+    return next((curve for curve in curves if curve.kind == CURRICULUM), None)
 
 
 def _add_tests(figure: go.Figure, curves: list[Curve], tests: list[tuple[int, LevelTest]]) -> None:

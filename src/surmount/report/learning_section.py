@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surmount.core.run_layout import TRAININGS
+from surmount.core.run_layout import CURRICULUM, TRAININGS
 from surmount.report.document import Block, Column, Notice, Section, Table
 from surmount.report.learning_figure import learning_curves
 from surmount.report.level_tests import level_tests
@@ -25,7 +25,7 @@ def learning_section(results: RunResults) -> Section:
         )
     blocks.append(training_table(results))
     if results.analysis is not None:
-        blocks += levels_left_blocks(results.trainings["curriculum"], results.analysis.curriculum)
+        blocks += levels_left_blocks(results.trainings[CURRICULUM], results.analysis.curriculum)
     blocks += level_tests(results)
     return Section(anchor="learning", title="Learning", blocks=tuple(blocks))
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from surmount.analysis import Analysis
 from surmount.core.paper import PAPER_RESULTS, SOURCE, SURVIVAL_CLAIM, PaperGroup
-from surmount.core.run_layout import ARMS
+from surmount.core.run_layout import ARMS, CONTROL, CURRICULUM, INITIATION
 from surmount.report.claims import Claim, claims_of
 from surmount.report.comparison import Comparison, GroupComparison, Success
 from surmount.report.document import Block, Column, Notice, Paragraph, Section, Table
@@ -127,9 +127,9 @@ def _group_rows(
         (
             f"{paper.name}: with curriculum",
             _count(paper.curriculum),
-            _ours(entry, "curriculum"),
+            _ours(entry, CURRICULUM),
         ),
-        (f"{paper.name}: without", _count(paper.control), _ours(entry, "control")),
+        (f"{paper.name}: without", _count(paper.control), _ours(entry, CONTROL)),
         (
             f"{paper.name}: test of success",
             ("more successes with curriculum" if paper.more_successes else "no difference")
@@ -142,8 +142,8 @@ def _group_rows(
 def _first_level(results: RunResults) -> str:
     """Return the least and the most learning steps at which networks left their first level."""
     ends = [
-        results.trainings["initiation"][network].total_steps + test.steps
-        for network, training in results.trainings["curriculum"].items()
+        results.trainings[INITIATION][network].total_steps + test.steps
+        for network, training in results.trainings[CURRICULUM].items()
         for test in training.level_tests
         if test.level == 0 and test.decision != "extend"
     ]

@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from surmount.core.run_layout import CONTROL, CURRICULUM
 from surmount.report.palette import ARM_STYLES, GRID, INK, MUTED
 from surmount.report.stills import axes_grid, draw, write_still
 
 ROW_IN = 1.75
 """Height of a row of the figure in inches."""
-LANES = {"curriculum": 1.18, "control": 1.09}
+LANES = {CURRICULUM: 1.18, CONTROL: 1.09}
 """Where marks stand above the curves for the sizes on which an arm succeeds."""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from surmount.analysis import Analysis
 from surmount.core.run_folder import RunFolder
+from surmount.core.run_layout import INITIATION
 from surmount.report.document import Notice
 from surmount.report.results import RunResults
 from surmount.report.text import (
@@ -77,7 +78,7 @@ def summary(results: RunResults) -> list[str]:
     """Say what was grouped, how many levels there are, and what the tests show."""
     analysis, comparison = results.analysis, results.comparison
     if analysis is None:
-        trained = len(results.trainings["initiation"])
+        trained = len(results.trainings[INITIATION])
         return [
             (
                 f"{counted(trained, 'network')} of {results.folder.networks} finished the "
