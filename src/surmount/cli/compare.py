@@ -13,8 +13,11 @@ from surmount.cli.configuration_flags import RunOptions, run_configured
 from surmount.cli.main import INTERRUPTED
 from surmount.core.configuration import differences, to_record
 from surmount.core.errors import ConfigError
+from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig
+from surmount.report.teachers_page import write_teachers_report
 from surmount.teachers.catalogue import SETTINGS, TEACHERS, TeachersConfig
+from surmount.workflow.run_layout import COMPARISON, COMPARISON_FILE
 
 DEFAULT = ("paper", "uniform", "easy-to-hard", "parameter-distance", "alp-gmm", "plr")
 TEACHING = "teaching"
@@ -52,11 +55,7 @@ def compare(arguments: Sequence[str]) -> int:
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
     from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
 
-    from surmount.core.records import read_record  # noqa: PLC0415
     from surmount.experiment.experiment import Experiment  # noqa: PLC0415
-    from surmount.experiment.teacher_statistics import FILE  # noqa: PLC0415
-    from surmount.experiment.teaching import COMPARISON  # noqa: PLC0415
-    from surmount.report.teachers_page import write_teachers_report  # noqa: PLC0415
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
@@ -68,7 +67,7 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED
-    record = read_record(outcome.artefacts[COMPARISON].path(FILE))
+    record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
     experiment.report(films_too=False)
     page = write_teachers_report(record, options.out)
     console.print(_table(record))

@@ -17,8 +17,7 @@ from surmount.experiment.films import films
 from surmount.experiment.presets import preset as preset_of
 from surmount.experiment.protocol import protocol
 from surmount.experiment.running import begin, load_config, refuse_other
-from surmount.experiment.teacher_statistics import FILE as TEACHER_STATISTICS
-from surmount.experiment.teaching import COMPARISON, comparison_graph
+from surmount.experiment.teaching import comparison_graph
 from surmount.report.pages import write_report
 from surmount.report.teachers_page import write_teachers_report
 from surmount.tasks.curriculum import Curriculum
@@ -29,7 +28,15 @@ from surmount.workflow.graph import Stage
 from surmount.workflow.journal import Journal
 from surmount.workflow.progress import run_graph
 from surmount.workflow.run_folder import RunFolder, open_run
-from surmount.workflow.run_layout import ANALYSIS, STATISTICS
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    ANALYSIS_FILE,
+    COMPARISON,
+    COMPARISON_FILE,
+    CURRICULUM_FILE,
+    STATISTICS,
+    STATISTICS_FILE,
+)
 from surmount.workflow.runner import RunOutcome
 from surmount.workflow.store import sole_user
 
@@ -187,7 +194,7 @@ class Experiment:
             films(self.folder, say)
         compared = self.found.stages.get(COMPARISON)
         if compared is not None:
-            write_teachers_report(read_record(compared.path(TEACHER_STATISTICS)), self.folder)
+            write_teachers_report(read_record(compared.path(COMPARISON_FILE)), self.folder)
         return write_report(self.folder)
 
     @property
@@ -204,7 +211,7 @@ class Experiment:
         OutputError
             If the run has not come so far.
         """
-        return Analysis.load(self._file(ANALYSIS, "analysis.json"))
+        return Analysis.load(self._file(ANALYSIS, ANALYSIS_FILE))
 
     @property
     def curriculum(self) -> Curriculum:
@@ -215,7 +222,7 @@ class Experiment:
         OutputError
             If the run has not come so far.
         """
-        return Curriculum.load(self._file(ANALYSIS, "curriculum.json"))
+        return Curriculum.load(self._file(ANALYSIS, CURRICULUM_FILE))
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -226,7 +233,7 @@ class Experiment:
         OutputError
             If the run has not come so far.
         """
-        return read_record(self._file(STATISTICS, "statistics.json"))
+        return read_record(self._file(STATISTICS, STATISTICS_FILE))
 
     def _file(self, stage: str, name: str) -> Path:
         artefact = self.found.stages.get(stage)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from surmount.core.configuration import differences, to_record
+from surmount.core.configuration import completed, differences, to_record
 from surmount.core.errors import OutputError
 from surmount.core.records import read_record, write_record
 from surmount.experiment.config import ExperimentConfig, config_from_record
@@ -69,9 +69,9 @@ def refuse_other(root: Path, config: ExperimentConfig) -> None:
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:
     stored = up_to_date(read_record(root / RUN).get("config", {}))
-    # A key that a folder lacks is from after its time, and had its default.
-    defaults = {"fingerprint": config.fingerprint, "rollout_shards": 1}
-    differing = differences(defaults | stored, to_record(config))
+    if not stored.get("fingerprint"):  # runs of before had none: their stages' keys tell
+        stored["fingerprint"] = config.fingerprint
+    differing = differences(completed(type(config), stored), to_record(config))
     if differing:
         key, (there, here) = next(iter(differing.items()))
         more = f" and {len(differing) - 1} more" if len(differing) > 1 else ""
