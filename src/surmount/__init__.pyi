@@ -35,6 +35,8 @@ from .exports.trial_logs import Columns as Columns
 from .exports.trial_logs import read_log as read_log
 from .learn.callback import TeacherCallback as TeacherCallback
 from .learn.config import LearnerConfig as LearnerConfig
+from .learn.presets import ML_AGENTS as ML_AGENTS
+from .learn.presets import ml_agents_learner as ml_agents_learner
 from .learn.rollout_config import RolloutConfig as RolloutConfig
 from .learn.rollouts import Actor as Actor
 from .learn.rollouts import roll_out as roll_out
