@@ -128,8 +128,8 @@ class RewardConfig:
     that is stuck."""
     distance_point: DistancePoint = field(default="body", metadata=absent("body"))
     """Where D_z is measured: at the base, which moves with the body ("body"), or half-way between
-    the axles of both carriers, which stay where the wheels are while FBEM swings the body
-    ("carriers"). Assumed. An episode succeeds by the base in both cases."""
+    the axles of both carriers, which stay with the wheels while FBEM swings the body ("carriers");
+    assumed. An episode succeeds by the base in both cases."""
     angle_unit_deg: float = 5.0
     """Unit of the changes of angle in degrees; assumed, so that a degree costs 0.001 and a swing
     from start pose to any other costs less than a tenth of the target's reward."""
