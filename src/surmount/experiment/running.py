@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from surmount.core.configuration import completed, differences, to_record
+from surmount.core.configuration import differences, to_record
 from surmount.core.errors import OutputError
 from surmount.core.records import read_record, write_record
 from surmount.experiment.config import ExperimentConfig, config_from_record
@@ -68,10 +69,15 @@ def refuse_other(root: Path, config: ExperimentConfig) -> None:
 
 
 def _require_same(root: Path, config: ExperimentConfig) -> None:
-    stored = up_to_date(read_record(root / RUN).get("config", {}))
-    if not stored.get("fingerprint"):  # runs of before had none: their stages' keys tell
-        stored["fingerprint"] = config.fingerprint
-    differing = differences(completed(type(config), stored), to_record(config))
+    stored = load_config(root)
+    if stored.fingerprint not in ("", config.fingerprint):  # runs of before may have none
+        raise OutputError(
+            f"What `{config.task}` is made from (its file, or the model of the robot) has changed "
+            f"since the run in {root} began.",
+            remedy="Choose another --out folder: results of two versions must not be mixed.",
+        )
+    known = replace(stored, fingerprint=config.fingerprint)
+    differing = differences(to_record(known), to_record(config))
     if differing:
         key, (there, here) = next(iter(differing.items()))
         more = f" and {len(differing) - 1} more" if len(differing) > 1 else ""
