@@ -7,12 +7,12 @@ import json
 
 import numpy as np
 import pytest
-from surmount.report.fit_figure import mixture_fit
 from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, Curriculum, Trials, determine_curriculum
 from surmount.analysis.explanation import describe_bic_choice, explain_analysis
 from surmount.core.errors import InputError
+from surmount.report.figures.fit import mixture_fit
 
 QUICK = AnalysisConfig(components=4, restarts=1, bootstrap=4, bootstrap_samples=200)
 FAMILY = SyntheticFamily(sizes=(4, 5, 4), behaviours=(0, 1, 2), separation=8.0, steps=60, trials=12)

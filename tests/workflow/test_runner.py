@@ -116,7 +116,7 @@ def test_only_the_stage_of_a_killed_worker_runs_again(tmp_path):
 def test_workers_that_cannot_start_are_reported_with_the_usual_cause(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "from surmount.experiment import ProcessExecutor\n"
+        "from surmount.workflow.local_processes import ProcessExecutor\n"
         "from surmount.core.errors import SurmountError\n"
         "try:\n    ProcessExecutor(1, print)\n"
         "except SurmountError as error:\n    print(error)\n",

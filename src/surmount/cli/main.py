@@ -85,6 +85,11 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("surmount: interrupted.", file=sys.stderr)
         return INTERRUPTED
+    except (ImportError, RuntimeError) as error:
+        asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported
+        if not asked or "mujoco" in sys.modules:
+            raise
+        return _complain(cannot_draw(asked, error))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has left
         return 0
@@ -130,14 +135,7 @@ def _unknown(verb: str) -> ConfigError:
 
 
 def _function(verb: str) -> Callable[..., int]:
-    try:
-        module = import_module(f"surmount.cli.{verb}")
-    except Exception as error:
-        asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported, for any verb
-        if not asked or isinstance(error, ModuleNotFoundError | SurmountError):
-            raise
-        raise cannot_draw(asked, error) from error
-    return getattr(module, verb)
+    return getattr(import_module(f"surmount.cli.{verb}"), verb)
 
 
 def cannot_draw(asked: str, error: Exception) -> ConfigError:

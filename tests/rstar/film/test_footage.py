@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small import run_first_stages, small_config
-from surmount.experiment.task_family import obstacle_family
 
 from surmount.core.errors import ConfigError, InputError, IntegrityError, OutputError
 from surmount.envs.registry import find_family
@@ -181,7 +180,7 @@ def test_a_policy_with_correlated_noise_moves_as_in_its_roll_out(network, tmp_pa
     record = {**trained.record, "exploration_noise": noise, "action_divisor": 3.0}
     mine = Snapshot(tensors=trained.tensors, record=record)
     mine.save(tmp_path / "mine.safetensors")
-    env = obstacle_family("narrow-channel", CONFIG.env).trial_env(1)
+    env = find_family("narrow-channel").trial_env(CONFIG.env, 1)
     actor = Actor(mine, env.single_observation_space, env.single_action_space)
     rolled = roll_out(
         env,
