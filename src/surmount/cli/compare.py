@@ -50,14 +50,14 @@ def compare(arguments: Sequence[str]) -> int:
 
 
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
-    from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
+    from rich.console import Console
 
-    from surmount.cli.running import run_experiment  # noqa: PLC0415
-    from surmount.core.records import read_record  # noqa: PLC0415
-    from surmount.experiment.teacher_statistics import FILE  # noqa: PLC0415
-    from surmount.experiment.teaching import COMPARISON, comparison_graph  # noqa: PLC0415
-    from surmount.report.pages import write_report  # noqa: PLC0415
-    from surmount.report.teachers_page import write_teachers_report  # noqa: PLC0415
+    from surmount.cli.running import run_experiment
+    from surmount.core.records import read_record
+    from surmount.experiment.teacher_statistics import FILE
+    from surmount.experiment.teaching import COMPARISON, comparison_graph
+    from surmount.report.pages import write_report
+    from surmount.report.teachers_page import write_teachers_report
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)

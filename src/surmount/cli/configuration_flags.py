@@ -131,7 +131,7 @@ def begun_with(options: ConfigurationOptions) -> ExperimentConfig:
     """
     task = options.task
     if isinstance(options, RunOptions) and options.resume:
-        from surmount.experiment.running import load_config  # noqa: PLC0415 - needs PyTorch
+        from surmount.experiment.running import load_config
 
         out = options.out
         stored = load_config(out)

@@ -24,6 +24,7 @@ import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from traceback import walk_tb
 
 from surmount import __version__
 from surmount.core.errors import ConfigError, SurmountError
@@ -75,25 +76,23 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
         return _dispatch(sys.argv[1:] if arguments is None else list(arguments))
-    except SurmountError as error:
-        return _complain(error)
-    except ModuleNotFoundError as error:
-        known = missing_extra(error)
-        if known is None:
-            raise
-        return _complain(known)
     except KeyboardInterrupt:
         print("surmount: interrupted.", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has left
         return 0
+    except Exception as error:
+        told = told_error(error)
+        if told is None:
+            raise
+        return _complain(told)
 
 
 def _dispatch(given: list[str]) -> int:
     verb = given[0] if given else "--help"
     if verb in VERBS:
-        import tyro  # noqa: PLC0415 - an extra: its absence is told in a sentence
+        import tyro  # an extra: its absence is told in a sentence
 
         if verb in CONFIGURED:
             return _function(verb)(given[1:])
@@ -121,7 +120,7 @@ def _help() -> str:
 
 
 def _unknown(verb: str) -> ConfigError:
-    from surmount.core.configuration import nearest  # noqa: PLC0415 - only for this sentence
+    from surmount.core.configuration import nearest  # only for this sentence
 
     return ConfigError(
         f"There is no verb `{verb}`.",
@@ -130,22 +129,32 @@ def _unknown(verb: str) -> ConfigError:
 
 
 def _function(verb: str) -> Callable[..., int]:
-    try:
-        module = import_module(f"surmount.cli.{verb}")
-    except Exception as error:
-        asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported, for any verb
-        if not asked or isinstance(error, ModuleNotFoundError | SurmountError):
-            raise
-        raise cannot_draw(asked, error) from error
-    return getattr(module, verb)
+    return getattr(import_module(f"surmount.cli.{verb}"), verb)
 
 
-def cannot_draw(asked: str, error: Exception) -> ConfigError:
-    """Return the error for a way to draw that MuJoCo was asked for and does not find."""
+def told_error(error: Exception) -> SurmountError | None:
+    """Return an error as a sentence with a remedy, or None where something else is wrong.
+
+    Besides errors of Surmount's own these are an extra that is missing, and a way to draw that
+    MuJoCo was asked for and does not find.
+    """
+    if isinstance(error, SurmountError):
+        return error
+    if isinstance(error, ModuleNotFoundError):
+        return missing_extra(error)
+    asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported
+    if not asked or "mujoco" in sys.modules or not _raised_below(error, "mujoco"):
+        return None
     return ConfigError(
         f"MuJoCo cannot draw as MUJOCO_GL={asked} asks ({error}).",
         remedy="Unset MUJOCO_GL: a way to draw is found without it.",
     )
+
+
+def _raised_below(error: Exception, package: str) -> bool:
+    """Whether an error came through a package's code."""
+    frames = (frame for frame, _ in walk_tb(error.__traceback__))
+    return any(frame.f_globals.get("__package__") == package for frame in frames)
 
 
 def _complain(error: SurmountError) -> int:

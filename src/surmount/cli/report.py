@@ -7,10 +7,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.cli.films import films
 from surmount.core.errors import ConfigError
-from surmount.report.pages import write_report
-from surmount.studies.paper.pages import write_overview
 
 
 def report(
@@ -24,6 +21,10 @@ def report(
         folder: The --out folder of a run; of several, with --out, for one page over all of them.
         out: Folder for the page over several runs.
     """
+    from surmount.cli.films import films
+    from surmount.report.pages import write_report
+    from surmount.studies.paper.pages import write_overview
+
     if out is not None:
         print(f"Report: {write_overview(folder, out).resolve()}")
         return 0

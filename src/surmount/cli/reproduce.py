@@ -22,13 +22,13 @@ def reproduce(arguments: Sequence[str]) -> int:
 
 
 def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]) -> int:
-    from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
+    from rich.console import Console
 
-    from surmount.cli.films import films  # noqa: PLC0415
-    from surmount.cli.running import run_experiment  # noqa: PLC0415
-    from surmount.cli.summary import print_summary  # noqa: PLC0415
-    from surmount.experiment.protocol import protocol  # noqa: PLC0415
-    from surmount.report.pages import write_report  # noqa: PLC0415
+    from surmount.cli.films import films
+    from surmount.cli.running import run_experiment
+    from surmount.cli.summary import print_summary
+    from surmount.experiment.protocol import protocol
+    from surmount.report.pages import write_report
 
     console = Console()
     out = options.out
