@@ -88,6 +88,7 @@ def run_configured(
     beside
         Configurations that have flags too, by the name that begins them.
     """
+    description = inspect.cleandoc(description)
     wants_help = any(argument in ("-h", "--help") for argument in arguments)
     asked = _asked(options, arguments, verb, quietly=wants_help)
     more = dict(beside or {})
