@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.cluster import hierarchy
-from scipy.spatial.distance import squareform
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 
@@ -78,6 +76,8 @@ class Dendrogram:
             Levels of links, the link itself included, that enter mean and standard deviation;
             0 means all links below.
         """
+        from scipy.cluster import hierarchy  # noqa: PLC0415 - slow; not for a list of teachers
+
         statistics = hierarchy.inconsistent(self.links, depth or self.n_leaves)
         return np.asarray(statistics[:, 3], dtype=np.float64)
 
@@ -113,6 +113,9 @@ def build_dendrogram(distances: FloatArray, method: str) -> Dendrogram:
     Ward linkage treats distances as if they were Euclidean, which Hellinger distances between
     densities are, and their unscented estimates nearly.
     """
+    from scipy.cluster import hierarchy  # noqa: PLC0415 - slow; not for a list of teachers
+    from scipy.spatial.distance import squareform  # noqa: PLC0415
+
     condensed = squareform(distances, checks=False)
     links = np.asarray(hierarchy.linkage(condensed, method=method), dtype=np.float64)
     return Dendrogram(links=links)

@@ -7,16 +7,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.analysis.configuration import AnalysisConfig
-from surmount.analysis.description import describe_curriculum
-from surmount.analysis.determination import determine_curriculum
-from surmount.analysis.trust import describe_trust
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.core.configuration import override
-from surmount.report.pages import write_analysis_report
-from surmount.trials.table import read_trials
-from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
-from surmount.workflow.store import output_errors, sole_user
 
 
 def analyze(
@@ -38,6 +29,16 @@ def analyze(
         config: TOML or JSON file of analysis options to change, such as linkage = "complete".
         set: Analysis option to change, as key=value; may be repeated; overrides the file.
     """
+    from surmount.analysis.configuration import AnalysisConfig
+    from surmount.analysis.description import describe_curriculum
+    from surmount.analysis.determination import determine_curriculum
+    from surmount.analysis.trust import describe_trust
+    from surmount.core.configuration import override
+    from surmount.report.pages import write_analysis_report
+    from surmount.trials.table import read_trials
+    from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
+    from surmount.workflow.store import output_errors, sole_user
+
     chosen = override(AnalysisConfig(), overrides(config, set))
     table = read_trials(
         trials, minimum_variants=2, minimum_samples=chosen.min_samples_per_component

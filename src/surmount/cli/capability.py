@@ -8,11 +8,6 @@ from typing import Annotated, Any
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.core.configuration import override
-from surmount.studies.capability import CapabilityConfig, map_capability
-from surmount.studies.capability_figure import write_capability_figure
-from surmount.workflow.provenance import provenance
-from surmount.workflow.store import output_errors, sole_user
 
 MAP = "capability.json"
 
@@ -48,6 +43,12 @@ def capability(
         set: Option to change, as key=value; may be repeated; overrides the file.
         processes: Worker processes of one thread each.
     """
+    from surmount.core.configuration import override
+    from surmount.studies.capability import CapabilityConfig, map_capability
+    from surmount.studies.capability_figure import write_capability_figure
+    from surmount.workflow.provenance import provenance
+    from surmount.workflow.store import output_errors, sole_user
+
     given: dict[str, Any] = {
         "sizes_mm": sizes,
         "gears": gears,

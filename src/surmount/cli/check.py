@@ -6,9 +6,6 @@ from typing import Annotated
 
 import tyro
 
-from surmount.envs.check import check_contract
-from surmount.envs.loading import load_make_env
-
 BROKEN = 3
 """Exit code where a clause does not hold, as for an input that cannot be used."""
 
@@ -24,6 +21,9 @@ def check(environment: Annotated[str, tyro.conf.Positional], *, seed: int = 0) -
         environment: The function that makes it, as my_module:make_env.
         seed: Of episodes and actions.
     """
+    from surmount.envs.check import check_contract
+    from surmount.envs.loading import load_make_env
+
     findings = check_contract(load_make_env(environment), seed=seed)
     for finding in findings:
         print(f"{'holds ' if finding.holds else 'BROKEN'}  {finding.clause}: {finding.sentence}")

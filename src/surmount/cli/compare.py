@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import tyro
-from rich.table import Table
 
 from surmount.cli.configuration_flags import RunOptions, run_configured
 from surmount.cli.main import INTERRUPTED
 from surmount.core.configuration import differences, to_record
 from surmount.core.errors import ConfigError
-from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig
-from surmount.report.teachers_page import write_teachers_report
 from surmount.teachers.catalogue import SETTINGS, TEACHERS, TeachersConfig
 from surmount.workflow.run_layout import COMPARISON, COMPARISON_FILE
 
@@ -53,9 +50,11 @@ def compare(arguments: Sequence[str]) -> int:
 
 
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
-    from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
+    from rich.console import Console
 
-    from surmount.experiment.experiment import Experiment  # noqa: PLC0415
+    from surmount.core.records import read_record
+    from surmount.experiment.experiment import Experiment
+    from surmount.report.teachers_page import write_teachers_report
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
@@ -86,7 +85,9 @@ def _require_used(teaching: TeachersConfig, teachers: tuple[str, ...]) -> None:
             )
 
 
-def _table(record: dict[str, Any]) -> Table:
+def _table(record: dict[str, Any]) -> Any:
+    from rich.table import Table
+
     table = Table(title="Success over networks", title_justify="left")
     for column in ("teacher", "interquartile mean", *record["groups"]):
         table.add_column(column)

@@ -88,6 +88,7 @@ def run_configured(
     beside
         Configurations that have flags too, by the name that begins them.
     """
+    description = inspect.cleandoc(description)
     wants_help = any(argument in ("-h", "--help") for argument in arguments)
     asked = _asked(options, arguments, verb, quietly=wants_help)
     more = dict(beside or {})
@@ -131,7 +132,7 @@ def begun_with(options: ConfigurationOptions) -> ExperimentConfig:
     """
     task = options.task
     if isinstance(options, RunOptions) and options.resume:
-        from surmount.experiment.running import load_config  # noqa: PLC0415 - needs PyTorch
+        from surmount.experiment.running import load_config
 
         out = options.out
         stored = load_config(out)

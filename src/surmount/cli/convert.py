@@ -9,9 +9,6 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.exports.trial_logs import Columns, read_log
-from surmount.trials.table import write_trials
-from surmount.workflow.store import output_errors
 
 Named = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=COLUMN")]
 
@@ -37,6 +34,10 @@ def convert(
         success: Column that is true on a row where the goal is reached.
         network: Column of the training run, if there are several.
     """
+    from surmount.exports.trial_logs import Columns, read_log
+    from surmount.trials.table import write_trials
+    from surmount.workflow.store import output_errors
+
     columns = Columns(
         variant=_pairs(variant, "--variant"),
         features=_pairs(feature, "--feature"),

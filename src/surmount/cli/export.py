@@ -64,9 +64,9 @@ def export(
 
 
 def _export_network(file: Path, to: str, out: Path) -> int:
-    # A curriculum goes to other frameworks without the laboratory.
-    from surmount.learn.onnx_export import export_onnx  # noqa: PLC0415
-    from surmount.learn.snapshot import Snapshot, acting_only  # noqa: PLC0415
+    # A curriculum goes to other frameworks without these.
+    from surmount.learn.onnx_export import export_onnx
+    from surmount.learn.snapshot import Snapshot, acting_only
 
     if to not in NETWORK_FORMATS:
         raise ConfigError(

@@ -6,16 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.workers import WorkerOptions, Workers
-from surmount.core.records import write_record
-from surmount.studies.initiation_figure import write_initiation_figure
-from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
-from surmount.workflow.progress import run_graph
-from surmount.workflow.provenance import provenance
-from surmount.workflow.store import output_errors, sole_user
 
 MAP = "initiations.json"
 
@@ -36,6 +29,15 @@ def initiations(
         out: Folder for networks, trials and the map.
         workers: Where stages run.
     """
+    from rich.console import Console
+
+    from surmount.core.records import write_record
+    from surmount.studies.initiation_figure import write_initiation_figure
+    from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
+    from surmount.workflow.progress import run_graph
+    from surmount.workflow.provenance import provenance
+    from surmount.workflow.store import output_errors, sole_user
+
     workers.checked()
     chosen = read_settings(settings)
     graph = initiation_stages(chosen)

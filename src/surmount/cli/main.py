@@ -27,7 +27,7 @@ from importlib import import_module
 
 from surmount import __version__
 from surmount.core.errors import ConfigError, SurmountError
-from surmount.core.extras import missing_extra
+from surmount.core.extras import told_error
 
 INTERRUPTED = 130
 
@@ -75,30 +75,23 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
         return _dispatch(sys.argv[1:] if arguments is None else list(arguments))
-    except SurmountError as error:
-        return _complain(error)
-    except ModuleNotFoundError as error:
-        known = missing_extra(error)
-        if known is None:
-            raise
-        return _complain(known)
     except KeyboardInterrupt:
         print("surmount: interrupted.", file=sys.stderr)
         return INTERRUPTED
-    except (ImportError, RuntimeError) as error:
-        asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported
-        if not asked or "mujoco" in sys.modules:
-            raise
-        return _complain(cannot_draw(asked, error))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has left
         return 0
+    except Exception as error:
+        told = told_error(error)
+        if told is None:
+            raise
+        return _complain(told)
 
 
 def _dispatch(given: list[str]) -> int:
     verb = given[0] if given else "--help"
     if verb in VERBS:
-        import tyro  # noqa: PLC0415 - an extra: its absence is told in a sentence
+        import tyro  # an extra: its absence is told in a sentence
 
         if verb in CONFIGURED:
             return _function(verb)(given[1:])
@@ -126,7 +119,7 @@ def _help() -> str:
 
 
 def _unknown(verb: str) -> ConfigError:
-    from surmount.core.configuration import nearest  # noqa: PLC0415 - only for this sentence
+    from surmount.core.configuration import nearest  # only for this sentence
 
     return ConfigError(
         f"There is no verb `{verb}`.",
@@ -136,14 +129,6 @@ def _unknown(verb: str) -> ConfigError:
 
 def _function(verb: str) -> Callable[..., int]:
     return getattr(import_module(f"surmount.cli.{verb}"), verb)
-
-
-def cannot_draw(asked: str, error: Exception) -> ConfigError:
-    """Return the error for a way to draw that MuJoCo was asked for and does not find."""
-    return ConfigError(
-        f"MuJoCo cannot draw as MUJOCO_GL={asked} asks ({error}).",
-        remedy="Unset MUJOCO_GL: a way to draw is found without it.",
-    )
 
 
 def _complain(error: SurmountError) -> int:

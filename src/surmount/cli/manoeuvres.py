@@ -8,13 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.core.configuration import override, to_record
-from surmount.core.records import write_record
-from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES
-from surmount.rstar.manoeuvres.library import ATTEMPTS, build_libraries
-from surmount.workflow.provenance import provenance
-from surmount.workflow.store import output_errors
 
 
 def manoeuvres(
@@ -24,7 +18,7 @@ def manoeuvres(
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
     seed: int = 0,
-    searches: int = ATTEMPTS,
+    searches: Annotated[int | None, tyro.conf.arg(metavar="N")] = None,
     processes: int = 2,
 ) -> int:
     """Find a manoeuvre for every variant, chosen for the margins that it bears.
@@ -38,14 +32,26 @@ def manoeuvres(
         config: TOML or JSON file of options to change, such as robot.friction = 1.0.
         set: Option to change, as key=value; may be repeated; overrides the file.
         seed: Root of the searches' seeds.
-        searches: Searches for each variant at the most; 0 tries only the package's own manoeuvres
-            and those made by hand.
+        searches: Searches for each variant at the most, 3 if left out; 0 tries only the package's
+            own manoeuvres and those made by hand.
         processes: Worker processes of one thread each, one per obstacle.
     """
+    from surmount.core.configuration import override, to_record
+    from surmount.core.records import write_record
+    from surmount.rstar.course.config import EnvConfig
+    from surmount.rstar.manoeuvres.library import build_libraries
+    from surmount.workflow.provenance import provenance
+    from surmount.workflow.store import output_errors
+
     env = override(EnvConfig(), overrides(config, set))
     with output_errors(out.parent):
         libraries = build_libraries(
-            obstacles, env, seed=seed, processes=processes, say=print, searches=searches
+            obstacles,
+            env,
+            seed=seed,
+            processes=processes,
+            say=print,
+            **({} if searches is None else {"searches": searches}),
         )
         write_record(
             out,

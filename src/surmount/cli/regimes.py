@@ -6,18 +6,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from surmount.cli.main import INTERRUPTED
 from surmount.cli.workers import WorkerOptions, Workers
-from surmount.core.records import write_record
-from surmount.studies.regime_figure import write_regime_figure
-from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
-from surmount.workflow.progress import run_graph
-from surmount.workflow.provenance import provenance
-from surmount.workflow.run_layout import TRAININGS
-from surmount.workflow.store import output_errors, sole_user
 
 MAP = "regimes.json"
 
@@ -38,6 +30,15 @@ def regimes(
         out: Folder for networks, trials and the map.
         workers: Where stages run.
     """
+    from rich.console import Console
+
+    from surmount.core.records import write_record
+    from surmount.studies.regime_figure import write_regime_figure
+    from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
+    from surmount.workflow.progress import run_graph
+    from surmount.workflow.provenance import provenance
+    from surmount.workflow.store import output_errors, sole_user
+
     workers.checked()
     chosen = read_regime_map(map)
     graph = regime_stages(chosen)
@@ -67,6 +68,8 @@ def regimes(
 
 
 def _table(record: dict[str, Any], axes: list[str]) -> Table:
+    from surmount.workflow.run_layout import TRAININGS
+
     table = Table(title="Success in % on the hard variants (on all)", title_justify="left")
     for column in (*axes, *TRAININGS, "who succeeds"):
         table.add_column(column)

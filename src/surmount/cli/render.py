@@ -8,10 +8,8 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
-from rich.progress import track
 
-from surmount.cli.showing import Shown, shown_motions
+from surmount.cli.showing import Shown
 from surmount.core.errors import ConfigError
 
 
@@ -36,9 +34,12 @@ def render(
         speed: Speed of a film against real time; 1 if left out, 0.25 is slow motion.
         at: Moments on a sheet, in s; six from start to end if left out.
     """
-    # The drawing needs an extra that other verbs do without.
-    from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png  # noqa: PLC0415
-    from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames  # noqa: PLC0415
+    from rich.console import Console
+    from rich.progress import track
+
+    from surmount.cli.motions import shown_motions
+    from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png
+    from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames
 
     check_output(out)
     _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")

@@ -8,9 +8,6 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
-from surmount.experiment.films import films
-from surmount.report.pages import write_report
-from surmount.studies.paper.pages import write_overview
 
 
 def report(
@@ -24,6 +21,10 @@ def report(
         folder: The --out folder of a run; of several, with --out, for one page over all of them.
         out: Folder for the page over several runs.
     """
+    from surmount.experiment.films import films
+    from surmount.report.pages import write_report
+    from surmount.studies.paper.pages import write_overview
+
     if out is not None:
         print(f"Report: {write_overview(folder, out).resolve()}")
         return 0

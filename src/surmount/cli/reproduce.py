@@ -22,10 +22,10 @@ def reproduce(arguments: Sequence[str]) -> int:
 
 
 def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]) -> int:
-    from rich.console import Console  # noqa: PLC0415 - what a run needs, --help does without
+    from rich.console import Console
 
-    from surmount.cli.summary import print_summary  # noqa: PLC0415
-    from surmount.experiment.experiment import Experiment  # noqa: PLC0415
+    from surmount.cli.summary import print_summary
+    from surmount.experiment.experiment import Experiment
 
     console = Console()
     experiment = Experiment(chosen, options.out)

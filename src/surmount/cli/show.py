@@ -7,14 +7,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.analysis.description import describe_curriculum
-from surmount.analysis.explanation import explain_analysis
-from surmount.analysis.result import Analysis
-from surmount.analysis.result_reading import KIND
-from surmount.analysis.trust import describe_trust
 from surmount.core.errors import InputError
-from surmount.core.records import read_record
-from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.run_layout import ANALYSIS, ANALYSIS_FILE, CURRICULUM_FILE, RUN
 
@@ -27,11 +20,23 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
             of a run.
         why: Walk the evidence as well: BIC curve, links of the dendrogram, merges, stability.
     """
+    from surmount.analysis.description import describe_curriculum
+    from surmount.analysis.explanation import explain_analysis
+    from surmount.analysis.result import Analysis
+    from surmount.analysis.result_reading import KIND
+    from surmount.analysis.trust import describe_trust
+    from surmount.core.records import read_record
+    from surmount.tasks.curriculum import Curriculum
+
     path = _resolve(file, why=why)
     record = read_record(path)
     if record.get("kind") == KIND:
         analysis = Analysis.from_record(record, source=str(path))
-        lines = explain_analysis(analysis) if why else _described(analysis)
+        if why:
+            lines = explain_analysis(analysis)
+        else:
+            trust = [f"  {sentence}" for sentence in describe_trust(analysis)]
+            lines = [*describe_curriculum(analysis.curriculum), "", "How far to trust it", *trust]
     elif why:
         raise InputError(
             f"{path} is a curriculum, and does not hold the reasons for it.",
@@ -41,11 +46,6 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
         lines = describe_curriculum(Curriculum.load(path))
     print("\n".join(lines))
     return 0
-
-
-def _described(analysis: Analysis) -> list[str]:
-    trust = [f"  {sentence}" for sentence in describe_trust(analysis)]
-    return [*describe_curriculum(analysis.curriculum), "", "How far to trust it", *trust]
 
 
 def _resolve(path: Path, *, why: bool) -> Path:

@@ -1,16 +1,13 @@
-"""What `surmount render` and `surmount view` show, and the options that choose it."""
+"""Options that choose what `surmount render` and `surmount view` show."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Annotated
 
-import torch
 import tyro
 
-from surmount.cli.options import Assignments, ConfigFile, overrides
-from surmount.rstar.film.footage import Wanted, motions
-from surmount.rstar.film.motion import Motion
+from surmount.cli.options import Assignments, ConfigFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,26 +38,3 @@ class Shown:
     """TOML or JSON file of configuration keys to change; see `surmount config`."""
     set: Assignments = field(default=())
     """Configuration key to change, as key=value; may be repeated; overrides the file."""
-
-
-def shown_motions(shown: Shown) -> list[Motion]:
-    """Return the motions that the options choose, and say how each ended."""
-    torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
-    wanted = Wanted(
-        source=shown.source,
-        task=shown.task,
-        stage=shown.stage,
-        sizes_mm=shown.variant,
-        trials=shown.trial,
-        network=shown.network,
-        seed=shown.seed,
-        deterministic=shown.deterministic,
-        standing=shown.stand,
-        changes=overrides(shown.config, shown.set),
-    )
-    found: list[Motion] = []
-    for motion in motions(wanted):
-        found.append(motion)
-        size = f"{motion.obstacle.name}, {motion.size_mm:g} mm"
-        print(f"{size}: {motion.caption}: {motion.outcome}")
-    return found

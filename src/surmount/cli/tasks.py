@@ -1,50 +1,97 @@
-"""``surmount tasks``: the registered families of tasks."""
+"""``surmount tasks``: the registered families of tasks, or all about one."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import json
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any
 
 import tyro
 
-from surmount.core.configuration import dotted_keys
+from surmount.cli.options import Task
+from surmount.core.configuration import dotted_keys, to_record
+from surmount.core.errors import SurmountError
 from surmount.envs.family import TaskFamily
 from surmount.envs.registry import find_family, registered_families
+from surmount.tasks.space import TaskSpace
+
+WIDTH = 80
+"""Columns of a terminal that nobody has widened."""
+HARDER = {1: "larger is harder", -1: "smaller is harder"}
 
 
-def tasks(name: Annotated[str | None, tyro.conf.Positional] = None) -> int:
-    """List the registered tasks with parameters, ranges and units; with a name, all of one.
+def tasks(task: Annotated[Task, tyro.conf.Positional] = None) -> int:
+    """List the registered tasks with their parameters, ranges, units, variants and difficulty.
 
     Args:
-        name: A registered task, or an environment of your own as my_module:make_env.
+        task: Show one: its variants, and the keys of its settings with their values; also an
+            environment of your own, as my_module:make_env.
     """
-    if name is not None:
-        family = find_family(name)
-        print("\n".join([*_described(family), *_details(family)]))
+    if task is not None:
+        print("\n".join(_described(find_family(task))))
         return 0
-    for family in registered_families().values():
-        print("\n".join([*_described(family), ""]))
-    print("An environment of your own is named as my_module:make_env (see `surmount check`).")
+    families = registered_families()
+    for name, family in families.items():
+        print("\n".join(_listed(name, family)))
+    print(f"{len(families)} tasks are registered; `surmount tasks NAME` tells more of one.")
     return 0
 
 
-def _described(family: TaskFamily) -> list[str]:
-    space = family.space(family.settings())
-    lines = [f"{family.name}: {family.title}"]
+def _listed(name: str, family: TaskFamily) -> Iterator[str]:
+    yield f"{name}: {family.title}"
+    try:
+        yield from _space_lines(family.space(family.settings()))
+    except SurmountError as error:  # of a package's environment; the other tasks are none the less
+        yield from _wrapped(f"{error.message} {error.remedy}")
+    yield ""
+
+
+def _described(family: TaskFamily) -> Iterator[str]:
+    from surmount.analysis.features import describe_variant
+
+    settings = family.settings()
+    space = family.space(settings)
+    yield f"{family.name}: {family.title}"
+    yield from _space_lines(space)
+    yield from _wrapped(f"initiation at the paper's scale: {family.initial_steps:,} learning steps")
+    yield ""
+    yield "variants"
+    yield from _wrapped(", ".join(describe_variant(variant) for variant in space.variants))
+    yield ""
+    keys = dotted_keys(family.settings)
+    record = to_record(settings)
+    yield "settings, to be changed by --set or as flags" if keys else "no settings of its own"
+    for key in keys:
+        yield from _wrapped(f"env.{key} = {json.dumps(_value(record, key))}")
+
+
+def _space_lines(space: TaskSpace) -> Iterator[str]:
     for index, parameter in enumerate(space.parameters):
-        harder = ""
-        if space.harder is not None:
-            harder = f", {'larger' if space.harder[index] > 0 else 'smaller'} is harder"
-        lines.append(f"  {parameter} from {space.lower[index]:g} to {space.upper[index]:g}{harder}")
-    lines.append(f"  {len(space.variants)} variants")
-    return lines
+        low, high = space.lower[index], space.upper[index]
+        harder = HARDER[space.harder[index]] if space.harder else "nobody says what is harder"
+        unit = _unit(parameter)
+        yield from _wrapped(f"{parameter}: {low:g} to {high:g}{unit}; {harder}")
+    count = len(space.variants)
+    yield f"  {count} variant{'s' if count != 1 else ''}"
 
 
-def _details(family: TaskFamily) -> list[str]:
-    space = family.space(family.settings())
-    variants = [", ".join(f"{value:g}" for value in variant) for variant in space.variants]
-    keys = [f"env.{key}" for key in dotted_keys(family.settings)]
-    return [
-        f"  {'; '.join(variants)}",
-        "settings:" if keys else "no settings of its own",
-        *(f"  {key}" for key in keys),
-    ]
+def _unit(parameter: str) -> str:
+    """Return the unit that a parameter's name ends in, after a space; nothing without one."""
+    from surmount.report.document.text import name_and_unit
+
+    unit = name_and_unit(parameter)[1]
+    return f" {unit}" if unit else ""
+
+
+def _value(record: Mapping[str, Any], key: str) -> Any:
+    value: Any = record
+    for part in key.split("."):
+        value = value[part]
+    return value
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(
+        text, WIDTH, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False
+    )

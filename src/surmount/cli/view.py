@@ -6,9 +6,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.cli.showing import Shown, shown_motions
-from surmount.rstar.film.playback import play
-from surmount.rstar.robot.config import require_range
+from surmount.cli.showing import Shown
 
 
 def view(
@@ -24,6 +22,10 @@ def view(
         shown: What to show.
         speed: Speed against real time: 0.25 is slow motion.
     """
+    from surmount.cli.motions import shown_motions
+    from surmount.rstar.film.playback import play
+    from surmount.rstar.robot.config import require_range
+
     require_range("speed", speed, 0.001, 1000.0)
     play(shown_motions(shown), speed)
     return 0

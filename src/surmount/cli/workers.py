@@ -36,7 +36,7 @@ class Workers:
 
     def make(self, listener: Listener) -> Executor:
         """Return the executor."""
-        from surmount.workflow.executors import make_executor  # noqa: PLC0415 - needs PyTorch
+        from surmount.workflow.executors import make_executor
 
         return make_executor(self.processes, listener, kind=self.executor, address=self.address)
 

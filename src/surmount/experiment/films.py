@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from surmount.core.errors import SurmountError
-from surmount.core.extras import missing_extra
+from surmount.core.extras import told_error
 from surmount.report.contents import family_of
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.store import output_errors
@@ -19,10 +18,8 @@ def films(root: Path, say: Callable[[str], None]) -> None:
         if family is not None:
             with output_errors(root):
                 family.draw_films(root, say)
-    except ModuleNotFoundError as error:
-        known = missing_extra(error)
-        if known is None:
+    except Exception as error:
+        told = told_error(error)
+        if told is None:
             raise
-        say(f"No films: {known.message} {known.remedy}")
-    except SurmountError as error:
-        say(f"No films: {error.message} {error.remedy}")
+        say(f"No films: {told.message} {told.remedy}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.cluster import hierarchy
 
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.dendrogram import build_dendrogram, relabelled
@@ -95,6 +94,8 @@ def by_parameter_distance(
     config
         Linkage, weights and bounds.
     """
+    from scipy.cluster import hierarchy  # noqa: PLC0415 - slow; not for a list of teachers
+
     extent = np.ptp(variants, axis=0)
     scaled = variants / np.where(extent > 0, extent, 1.0)
     distance = np.sqrt(np.square(scaled[:, None, :] - scaled[None, :, :]).sum(axis=2))

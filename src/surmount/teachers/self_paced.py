@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
@@ -196,6 +195,8 @@ def self_paced_step(
     config
         Bounds.
     """
+    from scipy.optimize import minimize  # noqa: PLC0415 - slow; not for a list of teachers
+
     size = now.size // 2
 
     def expected(candidate: FloatArray) -> float:

@@ -8,9 +8,6 @@ import sys
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-import torch
-from threadpoolctl import threadpool_info
-
 PACKAGES = (
     "surmount",
     "numpy",
@@ -48,6 +45,8 @@ def provenance() -> dict[str, dict[str, str]]:
 @cache
 def kind() -> dict[str, str]:
     """Return what rounding depends on: processor, and the code that libraries choose for it."""
+    import torch  # noqa: PLC0415 - slow; only who makes a result needs it
+
     return {
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -68,6 +67,8 @@ def made_with() -> dict[str, str]:
 
 
 def _blas() -> list[str]:
+    from threadpoolctl import threadpool_info  # noqa: PLC0415 - an extra
+
     found = [pool for pool in threadpool_info() if pool.get("user_api") == "blas"]
     return sorted(
         {

@@ -261,13 +261,21 @@ def test_a_robot_may_just_stand():
     ("options", "sentence", "remedy"),
     [
         ({"stage": "curriculum/network-0"}, "no finished stage", "initiation/network-0"),
-        ({"task": "rstar/step"}, "run on rstar/narrow-channel, not on rstar/step", "Leave the task out"),
+        (
+            {"task": "rstar/step"},
+            "run on rstar/narrow-channel, not on rstar/step",
+            "Leave the task out",
+        ),
         ({"trials": (1,)}, "With a network, --trial would do nothing", "Leave it out"),
         ({"network": 1}, "With a network, --network would do nothing", "Leave it out"),
         ({"standing": True}, "With a network, --stand would do nothing", "Leave it out"),
         ({"sizes_mm": (100.0,)}, "width_mm 100 is not admissible", "from 170 to 330"),
         ({"changes": {"env.robot.gears": "both"}}, "Unknown config", "env.robot.gear"),
-        ({"changes": {"task": "rstar/step"}}, "for rstar/step, not for rstar/narrow-channel", "obstacle"),
+        (
+            {"changes": {"task": "rstar/step"}},
+            "for rstar/step, not for rstar/narrow-channel",
+            "task",
+        ),
     ],
 )
 def test_wrong_options_for_a_network_are_refused(root, options, sentence, remedy):

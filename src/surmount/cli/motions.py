@@ -1,0 +1,33 @@
+"""The motions that `surmount render` and `surmount view` show."""
+
+from __future__ import annotations
+
+import torch
+
+from surmount.cli.options import overrides
+from surmount.cli.showing import Shown
+from surmount.rstar.film.footage import Wanted, motions
+from surmount.rstar.film.motion import Motion
+
+
+def shown_motions(shown: Shown) -> list[Motion]:
+    """Return the motions that the options choose, and say how each ended."""
+    torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
+    wanted = Wanted(
+        source=shown.source,
+        task=shown.task,
+        stage=shown.stage,
+        sizes_mm=shown.variant,
+        trials=shown.trial,
+        network=shown.network,
+        seed=shown.seed,
+        deterministic=shown.deterministic,
+        standing=shown.stand,
+        changes=overrides(shown.config, shown.set),
+    )
+    found: list[Motion] = []
+    for motion in motions(wanted):
+        found.append(motion)
+        size = f"{motion.obstacle.name}, {motion.size_mm:g} mm"
+        print(f"{size}: {motion.caption}: {motion.outcome}")
+    return found
