@@ -204,7 +204,7 @@ def test_any_table_file_is_read_or_refused(tmp_path_factory, content, suffix):
     result_or_sentence(read_trials, _file(tmp_path_factory, f"trials{suffix}", content))
 
 
-OPTIONS = ("--set", "--config", "--preset", "--seeds", "--processes", "--executor", "--address",
+OPTIONS = ("--set", "--config", "--preset", "--networks", "--processes", "--executor", "--address",
            "--retries", "--why", "--resume", "--variant", "--trial", "--at", "--help")  # fmt: skip
 words = st.sampled_from(
     ["step", "low-entrance", "paper", "ray", "0", "-1", "seed=3", "networks=1e99", "x=", "=", "nan"]

@@ -43,7 +43,7 @@ def test_a_finished_run_is_taken_with_its_own_configuration(reproduced, capsys):
 
 
 def test_a_run_with_another_configuration_is_refused_with_a_way_out(reproduced, capsys):
-    assert run(["compare", "own_point:make_env", "--seeds", "3", "--out", str(reproduced)]) != 0
+    assert run(["compare", "own_point:make_env", "--networks", "3", "--out", str(reproduced)]) != 0
     error = capsys.readouterr().err
     assert "was made by another configuration" in error
     assert "--resume" in error
