@@ -39,7 +39,7 @@ from surmount.learn.trainer import Trainer
 from surmount.teachers.catalogue import TEACHERS, TeachersConfig
 from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.executors import make_executor
-from surmount.workflow.graph import Stage, check_graph, dependencies
+from surmount.workflow.graph import Stage, StageKind, check_graph, dependencies
 from surmount.workflow.monitor import SilentMonitor
 from surmount.workflow.runner import GraphRunner
 
@@ -77,6 +77,10 @@ def burn(context) -> None:
     write_record(context.output / "n.json", {"n": context.seed})
 
 
+WRITE = StageKind(name="write", function=write)
+BURN = StageKind(name="burn", function=burn)
+
+
 def spend(seconds: float) -> None:
     """Use so much processor time."""
     until = time.process_time() + seconds
@@ -87,7 +91,7 @@ def spend(seconds: float) -> None:
 
 def chain(seed: int, length: int) -> list[Stage]:
     return [
-        Stage(name=f"link-{i}", function=write, seed=seed,
+        Stage(name=f"link-{i}", kind=WRITE, seed=seed,
               inputs={"before": (f"link-{i - 1}",)} if i else {})
         for i in range(length)
     ]  # fmt: skip
@@ -121,9 +125,9 @@ def efficiency() -> dict[str, float]:
     for processes in (1, 2):
         executor = make_executor(processes, lambda _: None)
         try:
-            warm = [Stage(name=f"warm-{i}", function=write) for i in range(processes)]
+            warm = [Stage(name=f"warm-{i}", kind=WRITE) for i in range(processes)]
             timed(executor, warm)
-            stages = [Stage(name=f"burn-{i}", function=burn, seed=i) for i in range(4)]
+            stages = [Stage(name=f"burn-{i}", kind=BURN, seed=i) for i in range(4)]
             seconds[f"stages in {processes}"] = timed(executor, stages)
         finally:
             executor.close()

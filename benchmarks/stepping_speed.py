@@ -270,7 +270,7 @@ def memory(args):
     del args
     # Not getrusage: what it says of a process begins with the peak of the process that began it.
     code = (
-        "import re; from surmount.rstar.course import ObstacleVectorEnv\n"
+        "import re; from surmount import ObstacleVectorEnv\n"
         "env = ObstacleVectorEnv('step', {}, n_threads=2); env.reset(seed=0)\n"
         "for _ in range(20): env.step(env.action_space.sample())\n"
         "print(re.search(r'VmHWM:\\s+(\\d+) kB', open('/proc/self/status').read())[1])"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plain_run import run as run_stages
 from small import SMALL, Watcher
 
 from surmount.analysis.result import Analysis
@@ -13,7 +14,6 @@ from surmount.core.configuration import override
 from surmount.envs.check import check_contract
 from surmount.experiment.presets import preset
 from surmount.experiment.running import begin
-from surmount.experiment.running import run as run_stages
 from surmount.report.pages import write_report
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 from surmount.workflow.executors import make_executor

@@ -27,6 +27,7 @@ from .envs.registry import registered_families as registered_families
 from .envs.task_env import TaskEnv as TaskEnv
 from .envs.task_env import Transition as Transition
 from .experiment.config import ExperimentConfig as ExperimentConfig
+from .experiment.experiment import Experiment as Experiment
 from .experiment.presets import preset as preset
 from .exports.formats import export_curriculum as export_curriculum
 from .exports.ml_agents import export_ml_agents as export_ml_agents
@@ -34,6 +35,8 @@ from .exports.trial_logs import Columns as Columns
 from .exports.trial_logs import read_log as read_log
 from .learn.callback import TeacherCallback as TeacherCallback
 from .learn.config import LearnerConfig as LearnerConfig
+from .learn.presets import ML_AGENTS as ML_AGENTS
+from .learn.presets import ml_agents_learner as ml_agents_learner
 from .learn.rollout_config import RolloutConfig as RolloutConfig
 from .learn.rollouts import Actor as Actor
 from .learn.rollouts import roll_out as roll_out

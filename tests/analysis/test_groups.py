@@ -10,9 +10,10 @@ from strategies import seeds
 
 from surmount import AnalysisConfig
 from surmount.analysis.dendrogram import build_dendrogram
+from surmount.analysis.group_boxes import group_boxes
 from surmount.analysis.groups import group_names, merge_small, rank_groups, small_limit
 from surmount.analysis.levels import build_levels, level_weights
-from surmount.tasks.cells import cells, group_boxes
+from surmount.tasks.cells import cells
 
 
 def line(positions):

@@ -10,9 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surmount.core.configuration import (
+    absent,
+    completed,
     differences,
     dotted_keys,
     from_record,
+    key_record,
     override,
     read_overrides,
     to_record,
@@ -137,3 +140,57 @@ def test_numbers_beyond_any_meaning_are_refused(value):
         override(preset("step", "smoke"), {"seed": value})
     with pytest.raises(ConfigError):
         override(preset("step", "smoke"), {"env.episode_s": value})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Later:
+    old: int = 1
+    same: float | None = field(default=None, metadata=absent(None))
+    measure: Literal["step", "episode"] = field(default="episode", metadata=absent("step"))
+    pair: tuple[int, ...] = field(default=(1, 2), metadata=absent((0,)))
+    part: Inner = field(default_factory=lambda: Inner(rate=0.5), metadata=absent(Inner()))
+
+
+@dataclass(frozen=True, kw_only=True)
+class AroundLater:
+    later: Later = field(default_factory=Later)
+
+
+BEFORE = Later(same=None, measure="step", pair=(0,), part=Inner())
+"""What a record meant that was written before there was more than ``old``."""
+
+
+def test_a_record_without_later_fields_means_what_was_done_before_them():
+    assert from_record(AroundLater, {"later": {"old": 1}}).later == BEFORE
+    assert from_record(AroundLater, {}).later == Later()
+    assert completed(AroundLater, {"later": {"old": 3}}) == {
+        "later": to_record(Later(**(vars(BEFORE) | {"old": 3})))
+    }
+
+
+def test_keys_leave_later_fields_out_where_they_are_as_before():
+    assert key_record(AroundLater(later=BEFORE)) == {"later": {"old": 1}}
+    assert key_record(Later()) == {
+        "old": 1, "measure": "episode", "pair": [1, 2], "part": to_record(Inner(rate=0.5)),
+    }  # fmt: skip
+
+
+@given(
+    st.builds(
+        Later,
+        old=st.integers(0, 9),
+        same=st.none() | st.floats(0, 1),
+        measure=st.sampled_from(["step", "episode"]),
+        pair=st.sampled_from([(0,), (1, 2), ()]),
+        part=st.builds(Inner, rate=st.sampled_from([0.1, 0.5])),
+    )
+)
+def test_both_records_of_a_configuration_build_it_again(config):
+    assert from_record(Later, key_record(config)) == config
+    assert from_record(Later, to_record(config)) == config
+
+
+def test_one_changed_later_field_stays_in_the_key():
+    assert key_record(AroundLater(later=Later(**(vars(BEFORE) | {"same": 0.5})))) == {
+        "later": {"old": 1, "same": 0.5}
+    }

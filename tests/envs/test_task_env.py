@@ -10,7 +10,7 @@ from own_point import PointEnv, make_env, make_point, set_task
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 from surmount.core.errors import InputError
-from surmount.rstar.course.batch import TaskBatch
+from surmount.envs.batch import TaskBatch
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.space import TaskSpace, harder_by_success
 

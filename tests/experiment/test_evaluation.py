@@ -67,9 +67,9 @@ def test_sizes_and_settings_can_be_chosen(network):
 def test_what_does_not_belong_together_is_refused(network, tmp_path):
     with pytest.raises(InputError, match="does not fit the environment"):
         evaluated(network, task="step")
-    with pytest.raises(InputError, match="400 mm is no size of the narrow-channel") as found:
+    with pytest.raises(InputError, match="400 is no width_mm of this task") as found:
         evaluated(network, variants=(400.0,))
-    assert "180 to 320 mm" in found.value.remedy
+    assert "180 to 320" in found.value.remedy
     known = Snapshot.load(network)
     for trained_on, sentence in (
         ({"obstacle": "moat", "env": {}}, "does not say in this version's terms"),

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import polars as pl
 import pytest
+from plain_run import run
 from small import SMALL, Watcher, small_config
 
 from surmount.core.configuration import override
-from surmount.core.errors import ConfigError
+from surmount.core.errors import OutputError
 from surmount.core.records import read_record
+from surmount.experiment.config import fingerprinted
 from surmount.experiment.learning_speed import steps_to_95, success_in_training
 from surmount.experiment.presets import preset
-from surmount.experiment.running import begin, run
+from surmount.experiment.running import begin, refuse_other
 from surmount.experiment.teaching import comparison_graph, training_stage
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.learn.training_episodes import TrainingEpisodes
@@ -113,10 +117,11 @@ def test_another_teacher_is_added_without_repeating_anything(compared):
 
 
 def test_a_changed_file_of_the_environment_is_another_experiment(tmp_path):
-    config = override(preset("own_point:make_env", "smoke"), OWN)
-    changed = override(config, {"own_sha256": "0" * 64})
-    with pytest.raises(ConfigError, match="has changed since"):
-        comparison_graph(changed, (), TEACHING)
+    config = fingerprinted(override(preset("own_point:make_env", "smoke"), OWN))
+    begin(tmp_path, config)
+    refuse_other(tmp_path, config)
+    with pytest.raises(OutputError, match="has changed since the run"):
+        refuse_other(tmp_path, replace(config, fingerprint="0" * 64))
 
 
 def test_settings_of_one_teacher_repeat_no_other():

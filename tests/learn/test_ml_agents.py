@@ -9,10 +9,10 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from lean_ppo import CONFIG, collect, lean_learner, update
 from point_env import PointEnv
+from small_trainings import FAR, NEAR, StopAfter, assert_same_training
 from stable_baselines3.common.callbacks import CallbackList
-from test_ppo import CONFIG, collect, lean_learner, update
-from test_trainer import FAR, NEAR, StopAfter, assert_same_training
 
 from surmount.core.errors import InputError
 from surmount.learn.advantages import cut_advantages

@@ -10,11 +10,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from run_builder import RunBuilder
-from surmount.report.document.parts.parts import Notice, Paragraph, Table
 from trainings import TEST, training
 
 from surmount.core.records import read_record
 from surmount.learn.training_episodes import TrainingEpisodes
+from surmount.report.document.parts import Notice, Paragraph, Table
 from surmount.report.figures.learning import learning_curves
 from surmount.report.results import read_run
 from surmount.report.sections.level_tests import level_tests

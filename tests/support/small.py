@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from plain_run import run
+
 from surmount.core.configuration import override
 from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.presets import preset
 from surmount.experiment.protocol import protocol
-from surmount.experiment.running import begin, run
+from surmount.experiment.running import begin
 from surmount.workflow.executors import make_executor
 from surmount.workflow.runner import GraphRunner
 

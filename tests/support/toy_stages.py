@@ -8,6 +8,7 @@ import time
 
 from surmount.core.errors import LearningError
 from surmount.core.records import read_record, write_record
+from surmount.workflow.graph import StageKind
 from surmount.workflow.monitor import Interrupted, Progress
 
 
@@ -67,6 +68,14 @@ def die(context):
         (context.checkpoint / f"death-{died}").touch()
         os.kill(os.getpid(), signal.SIGKILL)
     write_record(context.output / "n.json", {"n": died})
+
+
+KINDS = {
+    function.__name__: StageKind(
+        name=function.__name__, function=function, legacy=f"toys:{function.__name__}"
+    )
+    for function in (number, total, count_slowly, fail, die)
+}
 
 
 def deaths(root):

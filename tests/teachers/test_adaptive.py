@@ -77,6 +77,15 @@ def test_the_state_is_json_and_goes_on_identically(name):
     assert second.status() == first.status()
 
 
+def test_levels_at_a_budget_saved_without_a_count_of_their_own_draw_on_as_before():
+    first, second = make_teacher("paper", toy_context()), make_teacher("paper", toy_context())
+    first.sample(3)
+    state = first.state_dict()
+    assert state.pop("draws") == state["levels"]["draws"] == 1  # older states have the latter alone
+    second.load_state_dict(state)
+    np.testing.assert_array_equal(second.sample(5), first.sample(5))
+
+
 @pytest.mark.parametrize("name", TEACHERS)
 def test_the_state_of_another_teacher_or_of_other_tasks_is_refused(name):
     teacher = make_teacher(name, toy_context())

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 import toy_stages
+from toy_runs import Observer, graph, run
 
 from surmount.core.errors import IntegrityError, LearningError
 from surmount.core.records import read_record
@@ -16,52 +18,6 @@ from surmount.workflow.in_process import InProcessExecutor
 from surmount.workflow.local_processes import ProcessExecutor
 from surmount.workflow.monitor import Progress
 from surmount.workflow.runner import GraphRunner
-
-
-class Observer:
-    def __init__(self):
-        self.reused, self.started, self.finished, self.told, self.lost = [], [], [], [], []
-
-    def stage_reused(self, artefact):
-        self.reused.append(artefact.stage)
-
-    def stage_started(self, stage):
-        self.started.append(stage)
-
-    def stage_finished(self, artefact, seconds):
-        self.finished.append(artefact.stage)
-
-    def stage_lost(self, stage, *, again):
-        self.lost.append((stage, again))
-
-    def listen(self, event):
-        self.told.append(event)
-
-    @property
-    def sentences(self):
-        return [(e.stage, e.told) for e in self.told if isinstance(e.told, str)]
-
-
-def graph(n=1, seed=0):
-    parts = [
-        Stage(name=f"part/{i}", function=toy_stages.number, config={"n": n * i}, seed=seed)
-        for i in range(3)
-    ]
-    names = tuple(stage.name for stage in parts)
-    return [Stage(name="total", function=toy_stages.total, inputs={"parts": names}), *parts]
-
-
-def run(root, stages, processes=0):
-    observer = Observer()
-    executor = (
-        ProcessExecutor(processes, observer.listen)
-        if processes
-        else InProcessExecutor(observer.listen)
-    )
-    try:
-        return GraphRunner(root, stages, executor, observer).run(), observer
-    finally:
-        executor.close()
 
 
 @pytest.mark.parametrize("processes", [0, 2])
@@ -88,10 +44,10 @@ def test_seed_and_version_are_part_of_the_key(tmp_path):
     part = stages["part/1"]
     keys = {
         part.key({}),
-        Stage(**(vars(part) | {"seed": 1})).key({}),
-        Stage(**(vars(part) | {"version": 2})).key({}),
-        Stage(**(vars(part) | {"config": {"n": 2}})).key({}),
-        Stage(**(vars(part) | {"function": toy_stages.total})).key({}),
+        replace(part, seed=1).key({}),
+        replace(part, kind=replace(part.kind, version=2)).key({}),
+        replace(part, config={"n": 2}).key({}),
+        replace(part, kind=toy_stages.KINDS["total"]).key({}),
     }
     assert len(keys) == 5
 
@@ -99,7 +55,7 @@ def test_seed_and_version_are_part_of_the_key(tmp_path):
 @pytest.mark.parametrize("processes", [0, 1])
 def test_a_stopped_stage_goes_on_from_its_checkpoint(tmp_path, processes):
     # It waits at 5 to be stopped, and is stopped once it has told of its first step.
-    stages = [Stage(name="count", function=toy_stages.count_slowly, config={"hold_at": 5})]
+    stages = [Stage(name="count", kind=toy_stages.KINDS["count_slowly"], config={"hold_at": 5})]
 
     class Stopping(Observer):
         def listen(self, event):
@@ -124,7 +80,7 @@ def test_a_stopped_stage_goes_on_from_its_checkpoint(tmp_path, processes):
 
 @pytest.mark.parametrize("processes", [0, 1])
 def test_what_a_stage_finds_wrong_reaches_the_caller_whole(tmp_path, processes):
-    stages = [*graph(), Stage(name="bad", function=toy_stages.fail)]
+    stages = [*graph(), Stage(name="bad", kind=toy_stages.KINDS["fail"])]
     with pytest.raises(LearningError) as caught:
         run(tmp_path, stages, processes)
     assert caught.value.remedy == "Lower the learning rate."
@@ -132,7 +88,7 @@ def test_what_a_stage_finds_wrong_reaches_the_caller_whole(tmp_path, processes):
 
 @pytest.mark.parametrize("retries", [0, 1])
 def test_a_killed_worker_is_reported_once_its_retries_are_used_up(tmp_path, retries):
-    stages = [Stage(name="mortal", function=toy_stages.die, config={"times": 2})]
+    stages = [Stage(name="mortal", kind=toy_stages.KINDS["die"], config={"times": 2})]
     observer = Observer()
     executor = ProcessExecutor(1, observer.listen)
     with pytest.raises(WorkerLostError, match="worker process of stage `mortal`") as caught:
@@ -145,8 +101,8 @@ def test_a_killed_worker_is_reported_once_its_retries_are_used_up(tmp_path, retr
 
 def test_only_the_stage_of_a_killed_worker_runs_again(tmp_path):
     stages = [
-        Stage(name="mortal", function=toy_stages.die, config={"times": 2}),
-        Stage(name="count", function=toy_stages.count_slowly),
+        Stage(name="mortal", kind=toy_stages.KINDS["die"], config={"times": 2}),
+        Stage(name="count", kind=toy_stages.KINDS["count_slowly"]),
         *graph(),
     ]
     outcome, observer = run(tmp_path, stages, processes=2)
@@ -160,7 +116,7 @@ def test_only_the_stage_of_a_killed_worker_runs_again(tmp_path):
 def test_workers_that_cannot_start_are_reported_with_the_usual_cause(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "from surmount.experiment import ProcessExecutor\n"
+        "from surmount.workflow.local_processes import ProcessExecutor\n"
         "from surmount.core.errors import SurmountError\n"
         "try:\n    ProcessExecutor(1, print)\n"
         "except SurmountError as error:\n    print(error)\n",
@@ -183,9 +139,9 @@ def test_an_input_edited_by_one_byte_stops_the_stages_that_take_it(tmp_path):
 @pytest.mark.parametrize(
     "stages",
     [
-        [Stage(name="a", function=toy_stages.total, inputs={"parts": ("b",)})],
-        [Stage(name="a", function=toy_stages.total, inputs={"parts": ("a",)})],
-        [Stage(name="a", function=toy_stages.number)] * 2,
+        [Stage(name="a", kind=toy_stages.KINDS["total"], inputs={"parts": ("b",)})],
+        [Stage(name="a", kind=toy_stages.KINDS["total"], inputs={"parts": ("a",)})],
+        [Stage(name="a", kind=toy_stages.KINDS["number"])] * 2,
     ],
 )
 def test_impossible_graphs_are_refused(stages):

@@ -15,12 +15,22 @@ from pathlib import Path
 
 import polars as pl
 
-from surmount.experiment import stages
 from surmount.learn.snapshot import Snapshot, acting_only
 from surmount.report.pages import write_report
 from surmount.trials.table import read_trials
 from surmount.workflow.run_folder import RunFolder, open_run
-from surmount.workflow.run_layout import ANALYSIS, RUN, STATISTICS, TRAININGS, TRIALS
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    ANALYSIS_FILE,
+    CURRICULUM_FILE,
+    NETWORK_FILE,
+    RUN,
+    STATISTICS,
+    STATISTICS_FILE,
+    TRAININGS,
+    TRIALS,
+    TRIALS_FILE,
+)
 
 
 def publish(root: Path, folder: Path, networks: int = 2) -> None:
@@ -38,15 +48,15 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
             shutil.copy(path, folder / "figures")
     analysis, statistics = run.stages[ANALYSIS], run.stages[STATISTICS]
     for path in (
-        analysis.path(stages.CURRICULUM),
-        analysis.path(stages.ANALYSIS),
-        statistics.path("statistics.json"),
+        analysis.path(CURRICULUM_FILE),
+        analysis.path(ANALYSIS_FILE),
+        statistics.path(STATISTICS_FILE),
     ):
         shutil.copy(path, folder)
     outcomes(run).write_parquet(folder / "outcomes.parquet")
     for kind in TRAININGS:
         for index, artefact in list(run.numbered(kind).items())[:networks]:
-            network = acting_only(Snapshot.load(artefact.path(stages.NETWORK)))
+            network = acting_only(Snapshot.load(artefact.path(NETWORK_FILE)))
             network.save(folder / "networks" / f"{kind}-{index}.safetensors")
 
 
@@ -55,7 +65,7 @@ def outcomes(run: RunFolder) -> pl.DataFrame:
     tables: list[pl.DataFrame] = []
     for learnt, stage in TRIALS.items():
         for artefact in run.numbered(stage).values():
-            trials = read_trials(artefact.path(stages.TRIALS))
+            trials = read_trials(artefact.path(TRIALS_FILE))
             columns = {
                 "learnt": [learnt] * trials.n_trials,
                 "network": trials.network,

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
+from surmount.core.configuration import absent
 from surmount.core.errors import ConfigError
 
 LinkageMethod = Literal["average", "complete", "single", "weighted", "ward"]
@@ -129,7 +130,7 @@ class AnalysisConfig:
     components: int = 0
     components_per_variant: bool = False
     bic_variant: tuple[float, ...] = ()
-    harder: tuple[int, ...] = ()
+    harder: tuple[int, ...] = field(default=(), metadata=absent(()))
     plateau: float = 0.0
     restarts: int = 3
     regularisation: float = 1e-4

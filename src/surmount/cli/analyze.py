@@ -36,6 +36,7 @@ def analyze(
     from surmount.core.configuration import override
     from surmount.report.pages import write_analysis_report
     from surmount.trials.table import read_trials
+    from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
     from surmount.workflow.store import output_errors, sole_user
 
     chosen = override(AnalysisConfig(), overrides(config, set))
@@ -44,13 +45,13 @@ def analyze(
     )
     with sole_user(out), output_errors(out):
         analysis = determine_curriculum(table, chosen)
-        analysis.save(out / "analysis.json")
-        analysis.curriculum.save(out / "curriculum.json")
+        analysis.save(out / ANALYSIS_FILE)
+        analysis.curriculum.save(out / CURRICULUM_FILE)
         page = write_analysis_report(analysis.to_record(), out)
     print("\n".join(describe_curriculum(analysis.curriculum)))
     print("\nHow far to trust it")
     for sentence in (*describe_trust(analysis), *analysis.warnings):
         print(f"  {sentence}")
-    print(f"\nWritten to {out}: curriculum.json, analysis.json, figures/")
+    print(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
     print(f"To read: {page}")
     return 0

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import tyro
-from rich.table import Table
 
 from surmount.cli.configuration_flags import RunOptions, run_configured
 from surmount.cli.main import INTERRUPTED
@@ -15,6 +14,7 @@ from surmount.core.configuration import differences, to_record
 from surmount.core.errors import ConfigError
 from surmount.experiment.config import ExperimentConfig
 from surmount.teachers.catalogue import SETTINGS, TEACHERS, TeachersConfig
+from surmount.workflow.run_layout import COMPARISON, COMPARISON_FILE
 
 DEFAULT = ("paper", "uniform", "easy-to-hard", "parameter-distance", "alp-gmm", "plr")
 TEACHING = "teaching"
@@ -52,28 +52,22 @@ def compare(arguments: Sequence[str]) -> int:
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
     from rich.console import Console
 
-    from surmount.cli.running import run_experiment
     from surmount.core.records import read_record
-    from surmount.experiment.teacher_statistics import FILE
-    from surmount.experiment.teaching import COMPARISON, comparison_graph
-    from surmount.report.pages import write_report
+    from surmount.experiment.experiment import Experiment
     from surmount.report.teachers_page import write_teachers_report
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
     console = Console()
-    outcome = run_experiment(
-        options.out,
-        chosen,
-        lambda config: comparison_graph(config, options.teachers, teaching),
-        options.workers,
-        console,
+    experiment = Experiment(chosen, options.out)
+    outcome = experiment.compare(
+        options.teachers, settings=teaching, **options.workers.checked(), console=console
     )
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED
-    record = read_record(outcome.artefacts[COMPARISON].path(FILE))
-    write_report(options.out)
+    record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
+    experiment.report(films_too=False)
     page = write_teachers_report(record, options.out)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
@@ -91,7 +85,9 @@ def _require_used(teaching: TeachersConfig, teachers: tuple[str, ...]) -> None:
             )
 
 
-def _table(record: dict[str, Any]) -> Table:
+def _table(record: dict[str, Any]) -> Any:
+    from rich.table import Table
+
     table = Table(title="Success over networks", title_justify="left")
     for column in ("teacher", "interquartile mean", *record["groups"]):
         table.add_column(column)

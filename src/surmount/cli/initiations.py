@@ -31,19 +31,21 @@ def initiations(
     """
     from rich.console import Console
 
-    from surmount.cli.running import run_graph
     from surmount.core.records import write_record
     from surmount.studies.initiation_figure import write_initiation_figure
     from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
+    from surmount.workflow.progress import run_graph
     from surmount.workflow.provenance import provenance
     from surmount.workflow.store import output_errors, sole_user
 
-    workers.check()
+    workers.checked()
     chosen = read_settings(settings)
     graph = initiation_stages(chosen)
     console = Console()
     with sole_user(out):
-        outcome = run_graph(out, graph, workers, console)
+        outcome = run_graph(
+            out, graph, workers.make, console, store=workers.store, retries=workers.retries
+        )
         record: dict[str, Any] = {
             "kind": "initiation map",
             "schema": 1,

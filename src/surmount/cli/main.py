@@ -24,11 +24,10 @@ import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
-from traceback import walk_tb
 
 from surmount import __version__
 from surmount.core.errors import ConfigError, SurmountError
-from surmount.core.extras import missing_extra
+from surmount.core.extras import told_error
 
 INTERRUPTED = 130
 
@@ -130,31 +129,6 @@ def _unknown(verb: str) -> ConfigError:
 
 def _function(verb: str) -> Callable[..., int]:
     return getattr(import_module(f"surmount.cli.{verb}"), verb)
-
-
-def told_error(error: Exception) -> SurmountError | None:
-    """Return an error as a sentence with a remedy, or None where something else is wrong.
-
-    Besides errors of Surmount's own these are an extra that is missing, and a way to draw that
-    MuJoCo was asked for and does not find.
-    """
-    if isinstance(error, SurmountError):
-        return error
-    if isinstance(error, ModuleNotFoundError):
-        return missing_extra(error)
-    asked = os.environ.get("MUJOCO_GL")  # MuJoCo tries it when it is imported
-    if not asked or "mujoco" in sys.modules or not _raised_below(error, "mujoco"):
-        return None
-    return ConfigError(
-        f"MuJoCo cannot draw as MUJOCO_GL={asked} asks ({error}).",
-        remedy="Unset MUJOCO_GL: a way to draw is found without it.",
-    )
-
-
-def _raised_below(error: Exception, package: str) -> bool:
-    """Whether an error came through a package's code."""
-    frames = (frame for frame, _ in walk_tb(error.__traceback__))
-    return any(frame.f_globals.get("__package__") == package for frame in frames)
 
 
 def _complain(error: SurmountError) -> int:

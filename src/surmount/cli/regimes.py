@@ -32,19 +32,21 @@ def regimes(
     """
     from rich.console import Console
 
-    from surmount.cli.running import run_graph
     from surmount.core.records import write_record
     from surmount.studies.regime_figure import write_regime_figure
     from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
+    from surmount.workflow.progress import run_graph
     from surmount.workflow.provenance import provenance
     from surmount.workflow.store import output_errors, sole_user
 
-    workers.check()
+    workers.checked()
     chosen = read_regime_map(map)
     graph = regime_stages(chosen)
     console = Console()
     with sole_user(out):
-        outcome = run_graph(out, graph, workers, console)
+        outcome = run_graph(
+            out, graph, workers.make, console, store=workers.store, retries=workers.retries
+        )
         record: dict[str, Any] = {
             "kind": "regime map",
             "schema": 1,

@@ -21,7 +21,7 @@ def report(
         folder: The --out folder of a run; of several, with --out, for one page over all of them.
         out: Folder for the page over several runs.
     """
-    from surmount.cli.films import films
+    from surmount.experiment.films import films
     from surmount.report.pages import write_report
     from surmount.studies.paper.pages import write_overview
 

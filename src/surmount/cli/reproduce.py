@@ -24,20 +24,15 @@ def reproduce(arguments: Sequence[str]) -> int:
 def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]) -> int:
     from rich.console import Console
 
-    from surmount.cli.films import films
-    from surmount.cli.running import run_experiment
     from surmount.cli.summary import print_summary
-    from surmount.experiment.protocol import protocol
-    from surmount.report.pages import write_report
+    from surmount.experiment.experiment import Experiment
 
     console = Console()
-    out = options.out
-    outcome = run_experiment(out, chosen, protocol, options.workers, console)
-    if outcome.interrupted:
-        console.print(f"Stopped. Go on with: surmount reproduce --resume --out {out}")
+    experiment = Experiment(chosen, options.out)
+    if experiment.run(**options.workers.checked(), console=console).interrupted:
+        console.print(f"Stopped. Go on with: surmount reproduce --resume --out {options.out}")
         return INTERRUPTED
-    films(out, lambda sentence: console.print(sentence, soft_wrap=True, markup=False))
-    page = write_report(out)
-    print_summary(console, out)
+    page = experiment.report(say=lambda text: console.print(text, soft_wrap=True, markup=False))
+    print_summary(console, options.out)
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
     return 0

@@ -9,7 +9,7 @@ import tyro
 
 from surmount.core.errors import InputError
 from surmount.workflow.run_folder import open_run
-from surmount.workflow.run_layout import ANALYSIS, RUN
+from surmount.workflow.run_layout import ANALYSIS, ANALYSIS_FILE, CURRICULUM_FILE, RUN
 
 
 def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:
@@ -56,7 +56,7 @@ def _resolve(path: Path, *, why: bool) -> Path:
     if (path / RUN).is_file():
         found = open_run(path).stages.get(ANALYSIS)
         folder = path if found is None else found.folder
-    name = "analysis.json" if why else "curriculum.json"
+    name = ANALYSIS_FILE if why else CURRICULUM_FILE
     if not (folder / name).is_file():
         raise InputError(
             f"There is no {name} in {path}.",

@@ -12,16 +12,24 @@ from rich.table import Table
 from surmount.core.records import read_record
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_folder import open_run
-from surmount.workflow.run_layout import ANALYSIS, STATISTICS
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    CONTROL,
+    CURRICULUM,
+    CURRICULUM_FILE,
+    INITIATION,
+    STATISTICS,
+    STATISTICS_FILE,
+)
 
 
 def print_summary(console: Console, root: Path) -> None:
     """Print groups, levels and the comparison of both arms."""
     stages = open_run(root).stages
-    curriculum = Curriculum.load(stages[ANALYSIS].path("curriculum.json"))
-    statistics = read_record(stages[STATISTICS].path("statistics.json"))
+    curriculum = Curriculum.load(stages[ANALYSIS].path(CURRICULUM_FILE))
+    statistics = read_record(stages[STATISTICS].path(STATISTICS_FILE))
     table = Table(title="Success by group", title_justify="left")
-    for column in ("group", "variants", "initiation", "curriculum", "control", "test of equality"):
+    for column in ("group", "variants", INITIATION, CURRICULUM, CONTROL, "test of equality"):
         table.add_column(column)
     rows = zip(
         curriculum.groups,
@@ -41,8 +49,8 @@ def print_summary(console: Console, root: Path) -> None:
             escape(group.name),
             span,
             _share(initial),
-            _share(compared["arms"]["curriculum"]),
-            _share(compared["arms"]["control"]),
+            _share(compared["arms"][CURRICULUM]),
+            _share(compared["arms"][CONTROL]),
             _verdict(compared["proportion_test"]),
         )
     console.print(table)

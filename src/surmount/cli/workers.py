@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -27,10 +28,11 @@ class Workers:
     retries: Annotated[int, tyro.conf.arg(metavar="N")] = RETRIES
     """How often a stage is run again, from its checkpoint, after its worker was killed."""
 
-    def check(self) -> None:
-        """Refuse what cannot be, before a folder is touched."""
+    def checked(self) -> dict[str, Any]:
+        """Return the options as arguments, after refusing what cannot be."""
         if self.retries < 0:
             raise ConfigError(f"`--retries` is {self.retries}.", remedy="Give 0 or more.")
+        return dataclasses.asdict(self)
 
     def make(self, listener: Listener) -> Executor:
         """Return the executor."""

@@ -4,6 +4,15 @@ A configuration is a tree of frozen dataclasses whose leaves are strings, number
 tuples of these. This module turns such a tree into a JSON record and back, and applies overrides
 such as ``learner.learning_rate = 1e-4`` from a file or the command line. An unknown key is an
 error that names the nearest valid one.
+
+**A field that is added later** must not make strangers of the records and of the stages that were
+written before it. It says which value they stand for, which need not be its default::
+
+    measure: Literal["step", "episode"] = field(default="episode", metadata=absent("step"))
+
+:func:`from_record` then reads a record that lacks the key as ``"step"``, and :func:`key_record`
+leaves the key out where it is ``"step"``: the key of such a stage is what it was. A field without
+this declaration takes its default where a record lacks it, and always counts in keys.
 """
 
 from __future__ import annotations
@@ -25,24 +34,59 @@ LARGEST_INTEGER = 2**63
 """Larger ones fit neither a float nor an array, and nobody means them."""
 Record = dict[str, Any]
 Config = TypeVar("Config")
+_ABSENT = "absent"
+"""Key of a field's metadata: what a record without the field stands for."""
+
+
+def absent(value: object) -> Record:
+    """Return the metadata of a field that was added later: what its absence from a record means.
+
+    Parameters
+    ----------
+    value
+        What was done before the field was there: a leaf, or a configuration of its own.
+    """
+    return {_ABSENT: value}
 
 
 def to_record(config: object) -> Record:
     """Return a configuration as nested dictionaries of JSON values."""
-    return cast(Record, _plain(config))
+    return cast(Record, _plain(config, whole=True))
+
+
+def key_record(config: object) -> Record:
+    """Return a configuration as keys of stages count it.
+
+    As :func:`to_record`, without the fields that have the value their absence stands for.
+    :func:`from_record` builds the same configuration from it.
+    """
+    return cast(Record, _plain(config, whole=False))
 
 
 def from_record(cls: type[Config], record: Mapping[str, Any]) -> Config:
     """Build a configuration of class ``cls`` from nested dictionaries.
 
-    Missing keys take the defaults of the class.
+    Missing keys take what their absence stands for, or else the defaults of the class.
 
     Raises
     ------
     ConfigError
         If a key is unknown, a value has the wrong type, or the class rejects a value.
     """
-    return cast(Config, _build(cls, dict(record), prefix=""))
+    return cast(Config, _build(cls, completed(cls, record), prefix=""))
+
+
+def completed(cls: type[object], record: Mapping[str, Any]) -> Record:
+    """Return a record with those keys that it lacks because they came later, as it meant them."""
+    kinds = _fields(cls)
+    found = dict(record)
+    for field in dataclasses.fields(cast(Any, cls)):
+        if field.name not in found and _ABSENT in field.metadata:
+            found[field.name] = _plain(field.metadata[_ABSENT], whole=True)
+        kind, value = kinds.get(field.name), found.get(field.name)
+        if dataclasses.is_dataclass(kind) and isinstance(value, Mapping):
+            found[field.name] = completed(cast(type[object], kind), cast(Record, value))
+    return found
 
 
 def override(config: Config, changes: Mapping[str, Any]) -> Config:
@@ -131,14 +175,20 @@ def nearest(word: str, choices: list[str]) -> str:
     return f"Did you mean `{best[0]}`?" if best else "There are no valid choices."
 
 
-def _plain(value: object) -> object:
+def _plain(value: object, *, whole: bool) -> object:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {
-            field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)
+            field.name: _plain(getattr(value, field.name), whole=whole)
+            for field in dataclasses.fields(value)
+            if whole or not _as_absent(field, getattr(value, field.name))
         }
     if isinstance(value, tuple | list):
-        return [_plain(item) for item in cast(tuple[object, ...], value)]
+        return [_plain(item, whole=whole) for item in cast(tuple[object, ...], value)]
     return value
+
+
+def _as_absent(field: dataclasses.Field[Any], value: object) -> bool:
+    return _ABSENT in field.metadata and value == field.metadata[_ABSENT]
 
 
 def _fields(cls: type[object]) -> dict[str, Any]:

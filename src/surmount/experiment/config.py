@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, make_dataclass, replace
 from typing import Any
 
 from surmount.analysis.configuration import AnalysisConfig
-from surmount.core.configuration import from_record
+from surmount.core.configuration import absent, from_record
 from surmount.core.errors import ConfigError, InputError
 from surmount.envs.family import NoSettings, TaskFamily
 from surmount.envs.registry import find_family
@@ -49,7 +49,7 @@ class ExperimentConfig:
     checkpoint_steps: int = 50_000
     """Learning steps between checkpoints: what a kill loses at the most (assumed)."""
 
-    fingerprint: str = ""
+    fingerprint: str = field(default="", metadata=absent(""))
     """Hash of what the environments are made from besides ``env``, such as their source or the
     compiled model: filled in when a run begins. With another one it is another experiment."""
 
@@ -71,7 +71,7 @@ class ExperimentConfig:
     tests: RolloutConfig = field(default_factory=RolloutConfig)
     """Roll-outs that test the trained networks."""
 
-    rollout_shards: int = 1
+    rollout_shards: int = field(default=1, metadata=absent(1))
     """Stages that the roll-outs of a network are divided into by repetitions, to run side by side.
     Each has a seed of its own, so another number gives other trials."""
 

@@ -7,9 +7,7 @@ from pathlib import Path
 import polars as pl
 
 from surmount.learn.history import History
-from surmount.learn.training_episodes import EPISODES
-
-HISTORY = "history.parquet"
+from surmount.workflow.run_layout import EPISODES_FILE, HISTORY_FILE
 
 
 def write_history(history: History, folder: Path) -> None:
@@ -27,7 +25,7 @@ def write_history(history: History, folder: Path) -> None:
             "label": pl.Series(history.label, dtype=pl.String),
         }
     ).with_columns(pl.col("success").fill_nan(None))
-    rollouts.write_parquet(folder / HISTORY)
+    rollouts.write_parquet(folder / HISTORY_FILE)
     episodes = history.episodes
     variants = {
         f"variant.{name}": episodes.variant[:, index]
@@ -42,4 +40,4 @@ def write_history(history: History, folder: Path) -> None:
             "success": episodes.success,
             "diverged": episodes.diverged,
         }
-    ).write_parquet(folder / EPISODES)
+    ).write_parquet(folder / EPISODES_FILE)

@@ -8,14 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from surmount.core.configuration import Record, to_record
-from surmount.experiment import stages
+from surmount.core.configuration import Record, key_record
+from surmount.experiment import kinds
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.statistics import compare
 from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
-from surmount.workflow.graph import Stage, StageFunction
-from surmount.workflow.run_layout import ANALYSIS, ARMS, STATISTICS, TRAININGS, TRIALS, per_network
+from surmount.workflow.graph import Stage, StageKind
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    ARMS,
+    INITIATION,
+    STATISTICS,
+    TRAININGS,
+    TRIALS,
+    per_network,
+)
 
 
 def protocol(config: ExperimentConfig) -> list[Stage]:
@@ -24,31 +31,30 @@ def protocol(config: ExperimentConfig) -> list[Stage]:
 
 
 def _stages(config: ExperimentConfig) -> Iterator[Stage]:
-    record = to_record(config)
+    record = key_record(config)
     networks = range(config.networks)
     family, settings = config.family, config.env
     # The direction of difficulty says on which variant K is chosen, unless the user says so.
     harder = config.analysis.harder or family.space(settings).harder or ()
     train = task_part(config) | _part(record, "learner", "checkpoint_steps")
     for network in networks:
-        initial = per_network("initiation", network)
-        yield _stage(config, initial, stages.initiate, train | _part(record, "initial_steps"))
-        yield from _trials(config, "initiation", record["trials"], network)
+        initial = per_network(INITIATION, network)
+        yield _stage(config, initial, kinds.INITIATION, train | _part(record, "initial_steps"))
+        yield from _trials(config, INITIATION, record["trials"], network)
     yield _stage(
         config,
         ANALYSIS,
-        stages.analyse,
+        kinds.ANALYSIS,
         {"analysis": record["analysis"] | {"harder": list(harder)}},
-        trials=_all_trials("initiation", config),
-        version=2,
+        trials=_all_trials(INITIATION, config),
     )
     for network in networks:
-        initial = per_network("initiation", network)
+        initial = per_network(INITIATION, network)
         curriculum, control = (per_network(arm, network) for arm in ARMS)
         yield _stage(
             config,
             curriculum,
-            stages.learn_levels,
+            kinds.CURRICULUM,
             train | _part(record, "advancement"),
             network=(initial,),
             analysis=(ANALYSIS,),
@@ -56,7 +62,7 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
         yield _stage(
             config,
             control,
-            stages.learn_control,
+            kinds.CONTROL,
             train,
             network=(initial,),
             curriculum=(curriculum,),
@@ -66,42 +72,38 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
     yield _stage(
         config,
         STATISTICS,
-        compare,
+        kinds.STATISTICS,
         {"cap_s": family.cap_s(settings)},
         analysis=(ANALYSIS,),
-        **{kind: _all_trials(kind, config) for kind in TRAININGS},
+        **{training: _all_trials(training, config) for training in TRAININGS},
         **{
             f"training:{arm}": tuple(
                 per_network(arm, network) for network in range(config.networks)
             )
             for arm in ARMS
         },
-        version=2,
     )
 
 
-def _all_trials(kind: str, config: ExperimentConfig) -> tuple[str, ...]:
-    return tuple(per_network(TRIALS[kind], network) for network in range(config.networks))
+def _all_trials(training: str, config: ExperimentConfig) -> tuple[str, ...]:
+    return tuple(per_network(TRIALS[training], network) for network in range(config.networks))
 
 
-def _trials(config: ExperimentConfig, kind: str, trials: Record, network: int) -> list[Stage]:
-    name, trained = per_network(TRIALS[kind], network), per_network(kind, network)
+def _trials(config: ExperimentConfig, training: str, trials: Record, network: int) -> list[Stage]:
+    name, trained = per_network(TRIALS[training], network), per_network(training, network)
     return trial_stages(config, name, trials, network, trained)
 
 
 def _stage(
     config: ExperimentConfig,
     name: str,
-    function: StageFunction,
+    kind: StageKind,
     part: Record,
-    *,
-    version: int = 1,
     **inputs: tuple[str, ...],
 ) -> Stage:
     return Stage(
         name=name,
-        function=function,
-        version=version,
+        kind=kind,
         config=part,
         seed=stage_seed(config, name),
         inputs=inputs,

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from surmount.core.configuration import differences, to_record
 from surmount.core.errors import OutputError
 from surmount.core.records import read_record, write_record
 from surmount.experiment.config import ExperimentConfig, config_from_record
-from surmount.experiment.protocol import protocol
-from surmount.workflow.artefact_store import ArtefactStore
 from surmount.workflow.earlier import up_to_date
-from surmount.workflow.executor import RETRIES, Executor
-from surmount.workflow.graph import Stage
-from surmount.workflow.journal import Journal
 from surmount.workflow.provenance import provenance
 from surmount.workflow.run_layout import RUN, SCHEMA
-from surmount.workflow.runner import GraphRunner, RunObserver, RunOutcome
 from surmount.workflow.store import output_errors
 
 
@@ -74,54 +68,16 @@ def refuse_other(root: Path, config: ExperimentConfig) -> None:
             )
 
 
-def run(
-    root: Path,
-    config: ExperimentConfig,
-    executor: Executor,
-    observer: RunObserver,
-    *,
-    on_ready: Callable[[GraphRunner], None] = lambda _: None,
-    url: str | None = None,
-    retries: int = RETRIES,
-    stages: Iterable[Stage] | None = None,
-) -> RunOutcome:
-    """Run what is missing of an experiment, and keep an index of its artefacts.
-
-    Parameters
-    ----------
-    root
-        Folder claimed by :func:`begin`.
-    config
-        The experiment.
-    executor, observer
-        Where stages run, and who watches.
-    on_ready
-        Called with the runner before it starts, to let signals stop it.
-    url
-        An object store that has the same stages as the folder, for workers that do not see it.
-    retries
-        How often a stage is run again after its worker was lost.
-    stages
-        The graph; the protocol's if not given.
-    """
-    runner = GraphRunner(
-        root,
-        protocol(config) if stages is None else stages,
-        executor,
-        Journal(root, observer),
-        depot=ArtefactStore(root=root, url=url),
-        retries=retries,
-    )
-    on_ready(runner)
-    with output_errors(root):
-        return runner.run()
-
-
 def _require_same(root: Path, config: ExperimentConfig) -> None:
-    stored = up_to_date(read_record(root / RUN).get("config", {}))
-    # A key that a folder lacks is from after its time, and had its default.
-    defaults = {"fingerprint": config.fingerprint, "rollout_shards": 1}
-    differing = differences(defaults | stored, to_record(config))
+    stored = load_config(root)
+    if stored.fingerprint not in ("", config.fingerprint):  # runs of before may have none
+        raise OutputError(
+            f"What `{config.task}` is made from (its file, or the model of the robot) has changed "
+            f"since the run in {root} began.",
+            remedy="Choose another --out folder: results of two versions must not be mixed.",
+        )
+    known = replace(stored, fingerprint=config.fingerprint)
+    differing = differences(to_record(known), to_record(config))
     if differing:
         key, (there, here) = next(iter(differing.items()))
         more = f" and {len(differing) - 1} more" if len(differing) > 1 else ""

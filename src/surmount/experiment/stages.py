@@ -1,4 +1,4 @@
-"""The stages of the protocol: each a function of configuration, seed and input artefacts.
+"""What stages do: each a function of configuration, seed and input artefacts.
 
 =====================  ====================================================================
 stage                  files
@@ -9,17 +9,20 @@ stage                  files
 ``analysis``           ``analysis.json``, ``curriculum.json``
 ``curriculum``         as ``initiation``
 ``control``            as ``initiation``
-``test-initiation``, … ``trials.parquet``
+``teach/…``            as ``initiation``
+``test-…``, ``shard/…`` ``trials.parquet``
 =====================  ====================================================================
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.determination import determine_curriculum
+from surmount.analysis.result import Analysis
 from surmount.core.configuration import from_record
 from surmount.core.records import read_record, write_record
 from surmount.experiment.history_tables import write_history
@@ -29,24 +32,30 @@ from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.snapshot import TRAINED_ON, Snapshot
 from surmount.learn.trainer import Checkpointing, Trainer, Training
-from surmount.learn.training_episodes import TRAINING
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.regions import Regions
+from surmount.tasks.space import harder_by_success
 from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.catalogue import TeacherContext, TeachersConfig, make_teacher
 from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.teacher import Teacher
 from surmount.teachers.uniform import UniformTeacher
 from surmount.trials.table import read_trials, write_trials
 from surmount.trials.trials import Trials
 from surmount.workflow.graph import StageContext
-from surmount.workflow.run_layout import SCHEMA
+from surmount.workflow.run_layout import (
+    ANALYSIS_FILE,
+    CONTROL,
+    CURRICULUM_FILE,
+    INITIATION,
+    NETWORK_FILE,
+    SCHEMA,
+    TRAINING_FILE,
+    TRIALS_FILE,
+)
 from surmount.workflow.store import Artefact
 
-NETWORK = "network.safetensors"
-TRIALS = "trials.parquet"
-ANALYSIS = "analysis.json"
-CURRICULUM = "curriculum.json"
 FIRST = "first_repetition"
 """Key of the configuration of a shard of trials: the number of its first repetition."""
 
@@ -54,7 +63,7 @@ FIRST = "first_repetition"
 def initiate(context: StageContext) -> None:
     """Train a new network briefly on uniform variants (II-A)."""
     steps = int(context.config["initial_steps"])
-    teacher = UniformTeacher(_whole_range(context), steps, label="initiation")
+    teacher = UniformTeacher(_whole_range(context), steps, label=INITIATION)
     write_training(context, train(context, teacher, start=None))
 
 
@@ -63,7 +72,7 @@ def run_trials(context: StageContext) -> None:
     family, settings = family_and_settings(context.config)
     variants = family.space(settings).variants
     config = from_record(RolloutConfig, context.config["trials"])
-    network = Snapshot.load(only(context, "network").path(NETWORK))
+    network = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     env = family.trial_env(settings, len(variants) * config.repetitions)
     try:
         actor = Actor(network, env.single_observation_space, env.single_action_space)
@@ -79,20 +88,21 @@ def run_trials(context: StageContext) -> None:
     finally:
         env.close()
     first = int(context.config.get(FIRST, 0))
-    write_trials(context.output / TRIALS, replace(trials, repetition=trials.repetition + first))
+    trials = replace(trials, repetition=trials.repetition + first)
+    write_trials(context.output / TRIALS_FILE, trials)
 
 
 def join_trials(context: StageContext) -> None:
     """Put the shards of a network's trials together, one after the other."""
-    write_trials(context.output / TRIALS, pooled_trials(context.inputs["shards"]))
+    write_trials(context.output / TRIALS_FILE, pooled_trials(context.inputs["shards"]))
 
 
 def analyse(context: StageContext) -> None:
     """Determine the curriculum from the trials of all networks (II-B)."""
     config = from_record(AnalysisConfig, context.config["analysis"])
     analysis = determine_curriculum(pooled_trials(context.inputs["trials"]), config)
-    write_record(context.output / ANALYSIS, analysis.to_record())
-    analysis.curriculum.save(context.output / CURRICULUM)
+    write_record(context.output / ANALYSIS_FILE, analysis.to_record())
+    analysis.curriculum.save(context.output / CURRICULUM_FILE)
     groups = ", ".join(
         f"{group.name} {100 * group.success_rate:.0f} %" for group in analysis.curriculum.groups
     )
@@ -103,27 +113,62 @@ def analyse(context: StageContext) -> None:
 
 def learn_levels(context: StageContext) -> None:
     """Train an initial network on, level by level (II-C)."""
-    curriculum = Curriculum.load(only(context, "analysis").path(CURRICULUM))
+    curriculum = Curriculum.load(only(context, "analysis").path(CURRICULUM_FILE))
     teacher = LevelTeacher(
         [curriculum.level_distribution(level) for level in range(curriculum.n_levels)],
         from_record(AdvancementConfig, context.config["advancement"]),
     )
-    start = Snapshot.load(only(context, "network").path(NETWORK))
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     training = train(context, teacher, start=start, regions=Regions.of(curriculum))
     write_training(context, training)
 
 
 def learn_control(context: StageContext) -> None:
     """Train the same initial network on for as many steps, on uniform variants (III-C)."""
-    steps = int(read_record(only(context, "curriculum").path(TRAINING))["steps"])
-    teacher = UniformTeacher(_whole_range(context), steps, label="control")
-    start = Snapshot.load(only(context, "network").path(NETWORK))
+    steps = int(read_record(only(context, "curriculum").path(TRAINING_FILE))["steps"])
+    teacher = UniformTeacher(_whole_range(context), steps, label=CONTROL)
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     write_training(context, train(context, teacher, start=start))
+
+
+def learn_by_teacher(context: StageContext) -> None:
+    """Train an initial network on by a teacher, for as long as the paper's curriculum took.
+
+    A curriculum without levels took no steps: then no teacher teaches anything.
+    """
+    family, settings = family_and_settings(context.config)
+    space = family.space(settings)
+    analysis = Analysis.load(only(context, "analysis").path(ANALYSIS_FILE))
+    steps = int(read_record(only(context, "curriculum").path(TRAINING_FILE))["steps"])
+    config: Mapping[str, Any] = context.config
+    teacher_context = TeacherContext(
+        curriculum=analysis.curriculum,
+        variants=analysis.variants,
+        success_rate=analysis.success_rate,
+        whole_range=space.whole_range,
+        harder=space.harder or harder_by_success(analysis.variants, analysis.success_rate),
+        total_steps=steps,
+        seed=context.seed,
+        environments=int(config["learner"]["num_envs"]),
+        analysis=from_record(AnalysisConfig, config["analysis"]),
+        advancement=from_record(AdvancementConfig, config["advancement"]),
+        teachers=from_record(TeachersConfig, config["teaching"]),
+    )
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
+    training = train(
+        context,
+        make_teacher(str(config["teacher"]), teacher_context)
+        if steps
+        else UniformTeacher(teacher_context.whole_range, 0),
+        start=start,
+        regions=Regions.of(analysis.curriculum),
+    )
+    write_training(context, training)
 
 
 def pooled_trials(artefacts: tuple[Artefact, ...]) -> Trials:
     """Return the trials of several networks together."""
-    return Trials.concatenate([read_trials(artefact.path(TRIALS)) for artefact in artefacts])
+    return Trials.concatenate([read_trials(artefact.path(TRIALS_FILE)) for artefact in artefacts])
 
 
 def _whole_range(context: StageContext) -> TaskDistribution:
@@ -175,7 +220,7 @@ def write_training(context: StageContext, training: Training) -> None:
     trained_on = {key: context.config[key] for key in ("task", "env")}
     network = training.network
     network = replace(network, record={**network.record, TRAINED_ON: trained_on})
-    network.save(context.output / NETWORK)
+    network.save(context.output / NETWORK_FILE)
     write_history(history, context.output)
     record: dict[str, Any] = {
         "schema": SCHEMA,
@@ -186,4 +231,4 @@ def write_training(context: StageContext, training: Training) -> None:
     }
     if training.faults.occurred:
         record["faults"] = training.faults.to_record()
-    write_record(context.output / TRAINING, record)
+    write_record(context.output / TRAINING_FILE, record)

@@ -9,7 +9,7 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.records import write_record
 from surmount.experiment.learning_speed import steps_to_95
-from surmount.experiment.stages import CURRICULUM, pooled_trials
+from surmount.experiment.stages import pooled_trials
 from surmount.learn.training_episodes import read_episodes
 from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.differences import network_difference
@@ -19,15 +19,14 @@ from surmount.stats.evidence import (
     probability_of_improvement,
 )
 from surmount.stats.logrank import log_rank
-from surmount.stats.mixed import mixed_model
+from surmount.stats.mixed.model import mixed_model
 from surmount.stats.proportions import proportion_intervals, proportion_test
 from surmount.stats.survival import kaplan_meier
 from surmount.tasks.curriculum import Curriculum
 from surmount.trials.trials import Trials, success_rates
 from surmount.workflow.graph import StageContext
-from surmount.workflow.run_layout import ARMS, SCHEMA
+from surmount.workflow.run_layout import ARMS, CURRICULUM_FILE, INITIATION, SCHEMA, STATISTICS_FILE
 
-STATISTICS = "statistics.json"
 TIME = "time_s"
 PATHS = ("sprawl_deg", "fbem_deg")
 """Features whose path lengths the paper compares (III-D)."""
@@ -38,18 +37,18 @@ Record = dict[str, Any]
 def compare(context: StageContext) -> None:
     """Write ``statistics.json``: success, times, path lengths and speed of both arms."""
     (analysis,) = context.inputs["analysis"]
-    curriculum = Curriculum.load(analysis.path(CURRICULUM))
-    initiation = pooled_trials(context.inputs["initiation"])
+    curriculum = Curriculum.load(analysis.path(CURRICULUM_FILE))
+    initiation = pooled_trials(context.inputs[INITIATION])
     cap_s = float(context.config["cap_s"])
     arms = {arm: pooled_trials(context.inputs[arm]) for arm in ARMS}
     write_record(
-        context.output / STATISTICS,
+        context.output / STATISTICS_FILE,
         {
             "schema": SCHEMA,
             "cap_s": cap_s,
             "groups": [group.name for group in curriculum.groups],
             "success_by_variant": {
-                "initiation": success_by_variant(initiation),
+                INITIATION: success_by_variant(initiation),
                 **{arm: success_by_variant(trials) for arm, trials in arms.items()},
             },
             "initiation_by_group": [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from surmount.core.configuration import Record, from_record, to_record
+from surmount.core.configuration import Record, from_record, key_record
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import derive_seed
 from surmount.envs.family import TaskFamily
@@ -17,7 +17,7 @@ def task_part(config: ExperimentConfig) -> Record:
     """Return what the environments of an experiment depend on: family, settings, fingerprint."""
     return {
         "task": config.task,
-        "env": to_record(config.env),
+        "env": key_record(config.env),
         "fingerprint": config.fingerprint or config.family.fingerprint(config.env),
     }
 

@@ -10,7 +10,7 @@ from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.records import write_record
 from surmount.experiment.learning_speed import WINDOW, steps_to_95
-from surmount.experiment.stages import ANALYSIS, pooled_trials
+from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.learn.training_episodes import TrainingEpisodes, read_episodes
 from surmount.stats.bootstrap import Bootstrap
@@ -24,10 +24,9 @@ from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum
 from surmount.teachers.catalogue import find_teacher
 from surmount.workflow.graph import StageContext
-from surmount.workflow.run_layout import SCHEMA
+from surmount.workflow.run_layout import ANALYSIS_FILE, COMPARISON_FILE, SCHEMA
 from surmount.workflow.store import Artefact
 
-FILE = "teachers.json"
 REFERENCES = ("paper", "uniform")
 """Teachers that each of the others is compared with."""
 TIME_BINS = 20
@@ -39,7 +38,7 @@ Record = dict[str, Any]
 def compare_teachers(context: StageContext) -> None:
     """Write ``teachers.json``."""
     (artefact,) = context.inputs["analysis"]
-    analysis = Analysis.load(artefact.path(ANALYSIS))
+    analysis = Analysis.load(artefact.path(ANALYSIS_FILE))
     curriculum = analysis.curriculum
     bootstrap = Bootstrap(seed=context.seed)
     names: list[str] = list(context.config["teachers"])
@@ -48,7 +47,7 @@ def compare_teachers(context: StageContext) -> None:
     groups = curriculum.groups_of(analysis.variants)
     cells = TaskCells(analysis.parameters, analysis.variants)
     write_record(
-        context.output / FILE,
+        context.output / COMPARISON_FILE,
         {
             "schema": SCHEMA,
             "parameters": list(analysis.parameters),

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from surmount.core.configuration import Record
-from surmount.experiment import stages
+from surmount.experiment import kinds
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.stages import FIRST
 from surmount.experiment.task_part import stage_seed, task_part
 from surmount.workflow.graph import Stage
-
-TRIALS_VERSION = 2
-"""2: the logged distance to the target is Euclidean in three dimensions."""
+from surmount.workflow.run_layout import shard
 
 
 def trial_stages(
@@ -39,8 +37,7 @@ def trial_stages(
         return [
             Stage(
                 name=name,
-                function=stages.run_trials,
-                version=TRIALS_VERSION,
+                kind=kinds.TRIALS,
                 config=part,
                 seed=stage_seed(config, name),
                 inputs={"network": (trained,)},
@@ -50,22 +47,21 @@ def trial_stages(
     first = 0
     for index in range(config.rollout_shards):
         count = len(range(index, int(trials["repetitions"]), config.rollout_shards))
-        shard = f"shard/{name}/{index}"
+        part_name = shard(name, index)
         shards.append(
             Stage(
-                name=shard,
-                function=stages.run_trials,
-                version=TRIALS_VERSION,
+                name=part_name,
+                kind=kinds.TRIALS,
                 config=part | {"trials": trials | {"repetitions": count}, FIRST: first},
-                seed=stage_seed(config, shard),
+                seed=stage_seed(config, part_name),
                 inputs={"network": (trained,)},
             )
         )
         first += count
     whole = Stage(
         name=name,
-        function=stages.join_trials,
+        kind=kinds.JOIN_TRIALS,
         seed=stage_seed(config, name),
-        inputs={"shards": tuple(shard.name for shard in shards)},
+        inputs={"shards": tuple(one.name for one in shards)},
     )
     return [*shards, whole]

@@ -10,14 +10,13 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
-from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record, write_record
 from surmount.learn.curriculum_log import log_curriculum, variant_regions
-from surmount.learn.value_errors import EpisodeErrors
+from surmount.learn.episode_recorder import EpisodeRecorder
 from surmount.tasks.regions import Regions
 from surmount.tasks.space import TaskSpace
-from surmount.teachers.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
+from surmount.teachers.teacher import LevelTest, Teacher
 
 
 class TeacherCallback(BaseCallback):
@@ -62,7 +61,6 @@ class TeacherCallback(BaseCallback):
         self.tests: list[LevelTest] = []
         self._regions = regions
         self._update_steps = update_steps
-        self._forget()
 
     def save(self, path: Path | str) -> None:
         """Write the teacher's progress as JSON, to keep beside the saved model."""
@@ -76,10 +74,8 @@ class TeacherCallback(BaseCallback):
         env = self.training_env
         self._require_a_beginning()
         self._logged = self._regions or _regions_of(env)
-        self._errors = EpisodeErrors(env.num_envs)
-        self._episode_reward = np.zeros(env.num_envs)
-        self._episode_length = np.zeros(env.num_envs, dtype=np.int64)
-        self._forget()
+        parameters = len(self.teacher.distribution().parameters)
+        self._record = EpisodeRecorder(env.num_envs, parameters, steps=self.num_timesteps)
         self._push()
         # `learn` has begun episodes before it told anyone: begin them again, on tasks as pushed.
         model = cast("Any", self.model)  # what `learn` itself sets
@@ -96,9 +92,7 @@ class TeacherCallback(BaseCallback):
             if normaliser is None
             else normaliser.get_original_reward()
         )
-        self._rewards.append(np.array(rewards, dtype=np.float64))
-        self._episode_reward += rewards
-        self._episode_length += 1
+        self._record.add(rewards)
         for env in np.flatnonzero(self.locals["dones"]):
             self._end_episode(int(env), self.locals["infos"][env])
         return not self.teacher.finished
@@ -106,15 +100,10 @@ class TeacherCallback(BaseCallback):
     def _on_rollout_end(self) -> None:
         buffer = getattr(self.model, "rollout_buffer", None)
         with_critic = isinstance(buffer, RolloutBuffer)
-        steps = sum(map(len, self._rewards))
+        steps = self._record.recorded_steps
         if steps == 0 or (not with_critic and steps < self._update_steps):
             return
-        errors = None
-        if with_critic:
-            ends = [(row["row"], row["env"]) for row in self._rows]
-            errors = self._errors.add(buffer.advantages, ends)
-        outcome = self._outcome(errors)
-        self._forget()
+        outcome = self._record.collect(buffer.advantages if with_critic else None)
         test = self.teacher.update_on_rollout(outcome)
         if test is not None:
             self.tests.append(test)
@@ -160,44 +149,12 @@ class TeacherCallback(BaseCallback):
                     f"The infos of an ended episode hold no `{key}`.",
                     remedy="Wrap each environment in `surmount.envs.TaskEnv`.",
                 )
-        self._rows.append(
-            {
-                "row": len(self._rewards) - 1,
-                "env": env,
-                "step": self.num_timesteps,
-                "variant": np.asarray(info["variant"], dtype=np.float64).reshape(-1),
-                "reward": float(self._episode_reward[env]),
-                "length": int(self._episode_length[env]),
-                "success": bool(info["is_success"]),
-                "diverged": bool(info.get("diverged", False)),
-            }
+        self._record.end(
+            env,
+            variant=info["variant"],
+            success=bool(info["is_success"]),
+            diverged=bool(info.get("diverged", False)),
         )
-        self._episode_reward[env] = 0.0
-        self._episode_length[env] = 0
-
-    def _outcome(self, errors: FloatArray | None) -> RolloutOutcome:
-        rows = self._rows
-        parameters = len(self.teacher.distribution().parameters)
-        rewards = np.concatenate(self._rewards)
-        return RolloutOutcome(
-            rewards=rewards,
-            episodes=Episodes(
-                step=np.array([row["step"] for row in rows], dtype=np.int64),
-                variant=np.array([row["variant"] for row in rows], dtype=np.float64).reshape(
-                    len(rows), parameters
-                ),
-                reward=np.array([row["reward"] for row in rows], dtype=np.float64),
-                length=np.array([row["length"] for row in rows], dtype=np.int64),
-                success=np.array([row["success"] for row in rows], dtype=np.bool_),
-                diverged=np.array([row["diverged"] for row in rows], dtype=np.bool_),
-            ),
-            value_errors=errors,
-            steps_before=self.num_timesteps - rewards.size,
-        )
-
-    def _forget(self) -> None:
-        self._rewards: list[FloatArray] = []
-        self._rows: list[dict[str, Any]] = []
 
 
 def _regions_of(env: VecEnv) -> Regions | None:

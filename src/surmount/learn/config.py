@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
+from surmount.core.configuration import absent
 from surmount.core.errors import ConfigError
 
 POSITIVE = (
@@ -65,21 +66,23 @@ class LearnerConfig:
     """Activation of the hidden layers (assumed: the default of Stable-Baselines3). ML-Agents has
     x · sigmoid(x), here ``silu`` (its ``Swish``, `torch_entities/layers.py`)."""
 
-    initialisation: Literal["orthogonal", "kaiming"] = "orthogonal"
+    initialisation: Literal["orthogonal", "kaiming"] = field(
+        default="orthogonal", metadata=absent("orthogonal")
+    )
     """How weights are drawn (assumed: ``orthogonal``, as Stable-Baselines3 does). ``kaiming`` is
     ML-Agents': normal with variance 1 / inputs, the critic's last layer uniform with variance
     2 / (inputs + outputs) (`torch_entities/layers.py`, `decoders.py`)."""
 
-    policy_head_scale: float = 0.01
+    policy_head_scale: float = field(default=0.01, metadata=absent(0.01))
     """Factor on the weights of the actor's last layer (assumed: Stable-Baselines3's; ML-Agents
     has 0.2, `torch_entities/distributions.py`)."""
 
-    action_divisor: float = 1.0
+    action_divisor: float = field(default=1.0, metadata=absent(1.0))
     """What the policy draws is divided by this, then clipped to the action space. 1 clips at one
     standard deviation of a new policy (Stable-Baselines3); 3 is ML-Agents' clamp to ± 3 divided by
     3 (`torch_entities/agent_action.py`)."""
 
-    noise_correlation_s: float = 0.0
+    noise_correlation_s: float = field(default=0.0, metadata=absent(0.0))
     """Time in s after which the correlation of a policy's exploration noise has fallen to 1/e;
     0 for white noise, as in ML-Agents and Stable-Baselines3. The noise is an AR(1) process whose
     marginal stays N(0, 1), so that densities are those of white noise, begun anew with each episode
@@ -96,7 +99,7 @@ class LearnerConfig:
     epochs: int = 3
     """Passes over each roll-out (ML-Agents default)."""
 
-    time_horizon: int | None = None
+    time_horizon: int | None = field(default=None, metadata=absent(None))
     """Decisions after which a trajectory is cut for the estimation of advantages, which then lean
     on the critic's value, counted from the beginning of each episode and roll-out. ``None`` cuts at
     the roll-out's end only (Stable-Baselines3); ML-Agents cuts after 64 (`settings.py`)."""
@@ -104,10 +107,10 @@ class LearnerConfig:
     learning_rate: float = 3e-4
     """Step size of Adam (ML-Agents default)."""
 
-    adam_epsilon: float = 1e-5
+    adam_epsilon: float = field(default=1e-5, metadata=absent(1e-5))
     """ε of Adam (assumed: Stable-Baselines3's; ML-Agents has PyTorch's 1e-8)."""
 
-    decay_steps: int | None = None
+    decay_steps: int | None = field(default=None, metadata=absent(None))
     """Learning steps, counted from the beginning of each training, over which the learning rate,
     the clipping range and the weight of the entropy fall linearly to 1e-10, 0.1 and 1e-5, as in
     ML-Agents over its ``max_steps`` (`ppo/optimizer_torch.py`). ``None`` keeps them constant: the
@@ -116,7 +119,7 @@ class LearnerConfig:
     discount: float = 0.99
     """γ per decision (ML-Agents default). Without meaning where `discount_time_s` is given."""
 
-    discount_time_s: float | None = None
+    discount_time_s: float | None = field(default=None, metadata=absent(None))
     """Time in s after which a reward is worth 1/e: γ = exp(−decision interval / this), the same
     horizon at every decision interval. ``None`` takes γ per decision."""
 
@@ -124,32 +127,34 @@ class LearnerConfig:
     """λ of generalised advantage estimation per decision (ML-Agents default). Without meaning where
     `gae_time_s` is given."""
 
-    gae_time_s: float | None = None
+    gae_time_s: float | None = field(default=None, metadata=absent(None))
     """Time in s after which an advantage leans on the critic for all but 1/e:
     λ = exp(−decision interval / this). ``None`` takes λ per decision."""
 
     clip_range: float = 0.2
     """PPO's clipping of the probability ratio (ML-Agents default)."""
 
-    clip_per_action: bool = False
+    clip_per_action: bool = field(default=False, metadata=absent(False))
     """Whether each action's own probability ratio is clipped and the loss is their mean, as in
     ML-Agents (`torch_entities/utils.py`), instead of the ratio of all actions together."""
 
     entropy_coefficient: float = 5e-3
     """Weight of the entropy bonus (ML-Agents default)."""
 
-    mean_entropy: bool = False
+    mean_entropy: bool = field(default=False, metadata=absent(False))
     """Whether the bonus is the mean of the actions' entropies, as in ML-Agents
     (`torch_entities/distributions.py`), instead of their sum."""
 
-    normalise_advantages: Literal["batch", "rollout"] = "batch"
+    normalise_advantages: Literal["batch", "rollout"] = field(
+        default="batch", metadata=absent("batch")
+    )
     """Whether advantages are standardised in every batch (Stable-Baselines3) or once over the whole
     roll-out (ML-Agents, `trainer/on_policy_trainer.py`)."""
 
     value_coefficient: float = 0.5
     """Weight of the value loss (ML-Agents default)."""
 
-    clip_values: bool = False
+    clip_values: bool = field(default=False, metadata=absent(False))
     """Whether the value loss is the larger of the losses with and without the value's change
     clipped to the clipping range, as in ML-Agents (`torch_entities/utils.py`)."""
 

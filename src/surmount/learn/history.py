@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.learn.episode_recorder import episodes_of
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 
 
@@ -34,14 +35,7 @@ class History:
         self.reward: FloatArray = np.empty(0)
         self.success: FloatArray = np.empty(0)
         self.label: list[str] = []
-        self.episodes = Episodes(
-            step=np.empty(0, dtype=np.int64),
-            variant=np.empty((0, len(self.parameters))),
-            reward=np.empty(0),
-            length=np.empty(0, dtype=np.int64),
-            success=np.empty(0, dtype=np.bool_),
-            diverged=np.empty(0, dtype=np.bool_),
-        )
+        self.episodes = episodes_of([], len(self.parameters))
 
     def add(self, outcome: RolloutOutcome, *, label: str) -> None:
         """Append what one roll-out brought."""

@@ -9,10 +9,8 @@ import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.records import read_record
+from surmount.workflow.run_layout import EPISODES_FILE, TRAINING_FILE
 from surmount.workflow.store import Artefact
-
-EPISODES = "episodes.parquet"
-TRAINING = "training.json"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,10 +42,10 @@ def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpis
     """Read the episodes of a training stage."""
     import polars as pl  # noqa: PLC0415 - optional, only where Parquet is asked for
 
-    table = pl.read_parquet(artefact.path(EPISODES))
+    table = pl.read_parquet(artefact.path(EPISODES_FILE))
     columns = [f"variant.{name}" for name in parameters]
     return TrainingEpisodes(
-        budget=int(read_record(artefact.path(TRAINING))["steps"]),
+        budget=int(read_record(artefact.path(TRAINING_FILE))["steps"]),
         steps=table["steps"].to_numpy().astype(np.int64),
         tasks=table.select(columns).to_numpy().astype(np.float64),
         success=table["success"].to_numpy().astype(np.bool_),

@@ -14,7 +14,7 @@ import polars as pl
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import InputError
-from surmount.learn.training_episodes import EPISODES, TrainingEpisodes, read_episodes
+from surmount.learn.training_episodes import TrainingEpisodes, read_episodes
 from surmount.report.comparison import Comparison, comparison_of
 from surmount.report.sections.film import FilmedTrial, read_films
 from surmount.tasks.curriculum import Curriculum
@@ -22,7 +22,20 @@ from surmount.teachers.teacher import LevelTest
 from surmount.trials.table import read_trials
 from surmount.trials.trials import Trials, success_rates
 from surmount.workflow.run_folder import RunFolder, open_run
-from surmount.workflow.run_layout import TRAININGS, TRIALS, read_run_record
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    ANALYSIS_FILE,
+    CURRICULUM_FILE,
+    EPISODES_FILE,
+    HISTORY_FILE,
+    STATISTICS,
+    STATISTICS_FILE,
+    TRAINING_FILE,
+    TRAININGS,
+    TRIALS,
+    TRIALS_FILE,
+    read_run_record,
+)
 from surmount.workflow.store import Artefact
 
 PATHS = ("sprawl_deg", "fbem_deg")
@@ -133,12 +146,12 @@ def read_run(root: Path) -> RunResults:
     """
     folder = open_run(root)
     analysis = comparison = None
-    if "analysis" in folder.stages:
-        artefact = folder.stages["analysis"]
-        analysis = Analysis.load(artefact.path("analysis.json"))
+    if ANALYSIS in folder.stages:
+        artefact = folder.stages[ANALYSIS]
+        analysis = Analysis.load(artefact.path(ANALYSIS_FILE))
         _require_same_curriculum(analysis, artefact)
-    if "statistics" in folder.stages:
-        path = folder.stages["statistics"].path("statistics.json")
+    if STATISTICS in folder.stages:
+        path = folder.stages[STATISTICS].path(STATISTICS_FILE)
         record = read_run_record(path)
         with reading(path):
             comparison = comparison_of(record)
@@ -176,7 +189,7 @@ def reading(path: Path) -> Generator[None]:
 
 def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
     """Refuse a folder in which the curriculum that was learnt is not the one that was found."""
-    path = artefact.path("curriculum.json")
+    path = artefact.path(CURRICULUM_FILE)
     if Curriculum.load(path).to_record() != analysis.curriculum.to_record():
         raise InputError(
             f"{path} is not the curriculum of the analysis beside it.",
@@ -185,7 +198,7 @@ def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
 
 
 def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
-    path, table = artefact.path("training.json"), artefact.path("history.parquet")
+    path, table = artefact.path(TRAINING_FILE), artefact.path(HISTORY_FILE)
     record = read_run_record(path)
     with reading(table):
         history = pl.read_parquet(table)
@@ -211,16 +224,14 @@ def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
 
 
 def _episodes(artefact: Artefact, analysis: Analysis | None) -> TrainingEpisodes | None:
-    if analysis is None or EPISODES not in artefact.files:
+    if analysis is None or EPISODES_FILE not in artefact.files:
         return None
-    with reading(artefact.path(EPISODES)):
+    with reading(artefact.path(EPISODES_FILE)):
         return read_episodes(artefact, analysis.parameters)
 
 
 def _tests(artefacts: Mapping[int, Artefact]) -> Outcomes:
-    parts = [
-        _outcomes(read_trials(artefact.path("trials.parquet"))) for artefact in artefacts.values()
-    ]
+    parts = [_outcomes(read_trials(artefact.path(TRIALS_FILE))) for artefact in artefacts.values()]
     paths = [name for name in PATHS if all(name in part.path_lengths for part in parts)]
     return Outcomes(
         parameters=parts[0].parameters,

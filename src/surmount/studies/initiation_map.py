@@ -17,18 +17,18 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.configuration import override, to_record
+from surmount.core.configuration import key_record, override
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.seeds import derive_seed
-from surmount.experiment import stages
+from surmount.experiment import kinds
 from surmount.experiment.presets import preset
 from surmount.experiment.task_part import task_part
-from surmount.experiment.trial_stages import TRIALS_VERSION
 from surmount.learn.presets import ML_AGENTS
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.studies.paper.results import PAPER_RESULTS
 from surmount.trials.table import read_trials
 from surmount.workflow.graph import Stage
+from surmount.workflow.run_layout import TRIALS_FILE
 from surmount.workflow.store import Artefact
 
 LEARNERS: Mapping[str, Mapping[str, object]] = {"": {}, "ml-agents": ML_AGENTS}
@@ -131,14 +131,14 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                     raise ConfigError(
                         f"Setting `{setting.name}`: {error.message}", remedy=error.remedy
                     ) from error
-                record = to_record(config)
+                record = key_record(config)
                 name = f"initiation/{setting.name}/{obstacle}/network-{network}"
                 task = task_part(config)
                 keys = ("learner", "checkpoint_steps", "initial_steps")
                 graph.append(
                     Stage(
                         name=name,
-                        function=stages.initiate,
+                        kind=kinds.INITIATION,
                         config=task | {key: record[key] for key in keys},
                         seed=derive_seed(config.seed, obstacle, "map", network),
                     )
@@ -146,8 +146,7 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                 graph.append(
                     Stage(
                         name=trials_stage(setting.name, obstacle, network),
-                        function=stages.run_trials,
-                        version=TRIALS_VERSION,
+                        kind=kinds.TRIALS,
                         config=task | {"trials": record["trials"], "network": network},
                         seed=derive_seed(config.seed, obstacle, "map trials", network),
                         inputs={"network": (name,)},
@@ -247,7 +246,7 @@ def distance_to_table_1(obstacles: Mapping[str, Any]) -> float | None:
 
 def _success(artefact: Artefact) -> tuple[FloatArray, FloatArray]:
     """Return a network's variants in mm and the share of its trials that succeeded on each."""
-    trials = read_trials(artefact.path(stages.TRIALS))
+    trials = read_trials(artefact.path(TRIALS_FILE))
     variants, inverse = np.unique(trials.variant[:, 0], return_inverse=True)
     counts = np.bincount(inverse)
     return variants, np.bincount(inverse, weights=trials.success) / counts

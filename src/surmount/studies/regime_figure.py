@@ -12,10 +12,11 @@ from matplotlib.figure import Figure
 
 from surmount.report.figures.palette import ARM_STYLES, GRID, INK, MUTED
 from surmount.report.figures.stills import axes_grid, draw, write_still
+from surmount.workflow.run_layout import CONTROL, CURRICULUM
 
 ROW_IN = 1.75
 """Height of a row of the figure in inches."""
-LANES = {"curriculum": 1.18, "control": 1.09}
+LANES = {CURRICULUM: 1.18, CONTROL: 1.09}
 """Where marks stand above the curves for the sizes on which an arm succeeds."""
 
 

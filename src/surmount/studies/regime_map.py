@@ -23,12 +23,19 @@ from surmount.core.records import read_bytes
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.presets import preset
 from surmount.experiment.protocol import protocol
-from surmount.experiment.stages import CURRICULUM, pooled_trials
+from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.stats.differences import network_difference
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.graph import Stage
-from surmount.workflow.run_layout import ANALYSIS, ARMS, TRAININGS, TRIALS, per_network
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    ARMS,
+    CURRICULUM_FILE,
+    TRAININGS,
+    TRIALS,
+    per_network,
+)
 from surmount.workflow.store import Artefact
 
 N_AXES = 2
@@ -268,7 +275,7 @@ def _outcome(regimes: RegimeMap, cell: Cell, artefacts: Mapping[str, Artefact]) 
     }
     sizes = trials[ARMS[0]].variants()[0][:, 0]
     success = {kind: success_matrix(table) for kind, table in trials.items()}
-    curriculum = Curriculum.load(artefacts[cell.stage(ANALYSIS)].path(CURRICULUM))
+    curriculum = Curriculum.load(artefacts[cell.stage(ANALYSIS)].path(CURRICULUM_FILE))
     return {
         "variants": sizes.tolist(),
         "success": {kind: rates.tolist() for kind, rates in success.items()},

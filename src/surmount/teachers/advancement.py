@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import get_args
 
+from surmount.core.configuration import absent
 from surmount.core.errors import ConfigError
 from surmount.teachers.teacher import RewardMeasure, Rule
 
@@ -20,7 +21,7 @@ class AdvancementConfig:
     extension_steps: int = 100_000
     """p: learning steps of each further iteration after a test not passed (paper III-C)."""
 
-    measure: RewardMeasure = "episode"
+    measure: RewardMeasure = field(default="episode", metadata=absent("step"))
     """r of eq. 5 over a window of W learning steps. `episode`: the mean unnormalised reward of the
     episodes that ended within it, wherever they began; where none did, of the first to end in the
     iteration, or of the last (the paper has "cumulative reward", II-C, and "average cumulative

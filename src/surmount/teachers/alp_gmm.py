@@ -15,7 +15,8 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import derive_seed, generator
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
+from surmount.teachers.adaptive import AdaptiveTeacher
+from surmount.teachers.base import EndedEpisode
 from surmount.teachers.points import points_within
 from surmount.teachers.shares import require_shares
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
 from surmount.tasks.distribution import TaskDistribution
+from surmount.teachers.base import BaseTeacher, EndedEpisode
 from surmount.teachers.levels import LevelTeacher
-from surmount.teachers.state import belongs_to, require_same
-from surmount.teachers.teacher import LevelTest, RolloutOutcome, TeacherStatus
-
-_NAME = "levels at a budget"
+from surmount.teachers.teacher import LevelTest, TeacherStatus
 
 
-class BudgetedLevels:
+class BudgetedLevels(BaseTeacher):
     """A level teacher that trains exactly as long as the others it is compared with.
 
     Where its levels are over earlier it stays at the last one; where the steps are used up
@@ -29,9 +27,14 @@ class BudgetedLevels:
     """
 
     def __init__(self, levels: LevelTeacher, total_steps: int) -> None:
+        # Tasks drawn by hand are the levels' own: one count of them serves both.
+        super().__init__(
+            name="levels at a budget",
+            tasks=None,
+            draws=levels.draws,
+        )
         self._levels = levels
         self._total_steps = total_steps
-        self._steps = 0
 
     @property
     def finished(self) -> bool:
@@ -52,41 +55,15 @@ class BudgetedLevels:
         """Return the level's distribution; after the last level, still the last."""
         return self._levels.distribution()
 
-    def sample(self, k: int = 1) -> FloatArray:
-        """Draw tasks of the level, shape ``(k, parameter)``."""
-        return self._levels.sample(k)
+    def take_steps(
+        self, rewards: FloatArray, ends: IntArray, episodes: Sequence[EndedEpisode]
+    ) -> LevelTest | None:
+        """Count the steps, and hand them on."""
+        self._steps += rewards.size
+        return self._levels.take_steps(rewards, ends, episodes)
 
-    def update_on_episode(
-        self,
-        episode_return: float,
-        length: int,
-        task: FloatArray,
-        progress: float,
-        env_id: int | None = None,
-        *,
-        value_error: float | None = None,
-    ) -> None:
-        """Count the decisions, and hand the episode on."""
-        self._steps += length
-        self._levels.update_on_episode(
-            episode_return, length, task, progress, env_id, value_error=value_error
-        )
+    def _state(self) -> dict[str, Any]:
+        return {"levels": self._levels.state_dict()}
 
-    def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
-        """Count the steps, and hand the roll-out on."""
-        self._steps += outcome.rewards.size
-        return self._levels.update_on_rollout(outcome)
-
-    def state_dict(self) -> dict[str, Any]:
-        """Return the steps done and the state of the levels."""
-        return {
-            **belongs_to(_NAME, None),
-            "steps": self._steps,
-            "levels": self._levels.state_dict(),
-        }
-
-    def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from a saved state."""
-        require_same(state, _NAME, None)
-        self._steps = int(state["steps"])
+    def _load(self, state: Mapping[str, Any]) -> None:
         self._levels.load_state_dict(state["levels"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypedDict
 
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.core.arrays import FloatArray
@@ -47,6 +48,13 @@ class TeachersConfig:
     """Self-paced learning."""
 
 
+class Budget(TypedDict):
+    """How long a teacher trains, and the seed of everything random in it."""
+
+    total_steps: int
+    seed: int
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TeacherContext:
     """What teachers are made of: the task, what its analysis found, and the budget.
@@ -83,6 +91,11 @@ class TeacherContext:
     analysis: AnalysisConfig = field(default_factory=AnalysisConfig)
     advancement: AdvancementConfig = field(default_factory=AdvancementConfig)
     teachers: TeachersConfig = field(default_factory=TeachersConfig)
+
+    @property
+    def budget(self) -> Budget:
+        """What every teacher takes."""
+        return {"total_steps": self.total_steps, "seed": self.seed}
 
     @property
     def cells(self) -> TaskCells:
@@ -154,22 +167,10 @@ def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
     return BudgetedLevels(inner, context.total_steps)
 
 
-def _paper(context: TeacherContext) -> Teacher:
-    return _levels(context.curriculum, context)
-
-
-def _uniform(context: TeacherContext) -> Teacher:
-    return UniformTeacher(context.whole_range, context.total_steps, seed=context.seed)
-
-
 def _hardest(context: TeacherContext) -> Teacher:
     groups = context.curriculum.groups
-    return UniformTeacher(
-        context.curriculum.group_distribution(len(groups) - 1),
-        context.total_steps,
-        label=f"{groups[-1].name} group only",
-        seed=context.seed,
-    )
+    hardest = context.curriculum.group_distribution(len(groups) - 1)
+    return UniformTeacher(hardest, label=f"{groups[-1].name} group only", **context.budget)
 
 
 def _easy_to_hard(context: TeacherContext) -> Teacher:
@@ -184,10 +185,6 @@ def _random_order(context: TeacherContext) -> Teacher:
     return _levels(ablations.randomly_ordered(context.curriculum, seed), context)
 
 
-def _equal_weights(context: TeacherContext) -> Teacher:
-    return _levels(ablations.equally_weighted(context.curriculum), context)
-
-
 def _parameter_distance(context: TeacherContext) -> Teacher:
     made = ablations.by_parameter_distance(
         context.curriculum, context.variants, context.success_rate, context.analysis
@@ -195,71 +192,26 @@ def _parameter_distance(context: TeacherContext) -> Teacher:
     return _levels(made, context)
 
 
-def _stepwise(context: TeacherContext) -> Teacher:
-    return _levels(ablations.stepwise(context.curriculum), context)
-
-
-def _promotion(context: TeacherContext) -> Teacher:
-    return PromotionTeacher(
-        context.cells,
-        context.harder,
-        learners=context.environments,
-        total_steps=context.total_steps,
-        seed=context.seed,
-    )
-
-
-def _learning_progress(context: TeacherContext) -> Teacher:
-    return LearningProgressTeacher(
-        context.cells,
-        total_steps=context.total_steps,
-        seed=context.seed,
-        config=context.teachers.learning_progress,
-    )
-
-
-def _learnability(context: TeacherContext) -> Teacher:
-    return LearnabilityTeacher(
-        context.cells,
-        total_steps=context.total_steps,
-        seed=context.seed,
-        config=context.teachers.learnability,
-    )
-
-
-def _alp_gmm(context: TeacherContext) -> Teacher:
-    return AlpGmmTeacher(
-        context.whole_range,
-        total_steps=context.total_steps,
-        seed=context.seed,
-        config=context.teachers.alp_gmm,
-    )
-
-
-def _plr(context: TeacherContext) -> Teacher:
-    return ReplayTeacher(
-        context.cells,
-        total_steps=context.total_steps,
-        seed=context.seed,
-        config=context.teachers.plr,
-    )
-
-
 def _spdl(context: TeacherContext) -> Teacher:
+    begin = context.curriculum.group_distribution(0)
     return SelfPacedTeacher(
-        context.whole_range,
-        context.curriculum.group_distribution(0),
-        total_steps=context.total_steps,
-        seed=context.seed,
-        config=context.teachers.spdl,
+        context.whole_range, begin, config=context.teachers.spdl, **context.budget
     )
 
 
 _PAPER = "Karni et al. 2024"
 
 TEACHERS = {
-    "paper": Entry(title="the paper's curriculum", source=_PAPER, make=_paper),
-    "uniform": Entry(title="uniform", source=f"control of {_PAPER}", make=_uniform),
+    "paper": Entry(
+        title="the paper's curriculum",
+        source=_PAPER,
+        make=lambda of: _levels(of.curriculum, of),
+    ),
+    "uniform": Entry(
+        title="uniform",
+        source=f"control of {_PAPER}",
+        make=lambda of: UniformTeacher(of.whole_range, **of.budget),
+    ),
     "hardest": Entry(title="hardest group only", source="lower bound", make=_hardest),
     "easy-to-hard": Entry(
         title="easy to hard by the parameter",
@@ -270,7 +222,9 @@ TEACHERS = {
         title="groups in random order", source=f"ablation of {_PAPER}", make=_random_order
     ),
     "equal-weights": Entry(
-        title="equal weights in every level", source=f"ablation of {_PAPER}", make=_equal_weights
+        title="equal weights in every level",
+        source=f"ablation of {_PAPER}",
+        make=lambda of: _levels(ablations.equally_weighted(of.curriculum), of),
     ),
     "parameter-distance": Entry(
         title="groups by distance of parameters",
@@ -278,21 +232,39 @@ TEACHERS = {
         make=_parameter_distance,
     ),
     "stepwise": Entry(
-        title="one group at a time", source=f"future work of {_PAPER}", make=_stepwise
+        title="one group at a time",
+        source=f"future work of {_PAPER}",
+        make=lambda of: _levels(ablations.stepwise(of.curriculum), of),
     ),
     "promote-demote": Entry(
-        title="promote and demote", source="Rudin et al. 2021", make=_promotion
+        title="promote and demote",
+        source="Rudin et al. 2021",
+        make=lambda of: PromotionTeacher(
+            of.cells, of.harder, learners=of.environments, **of.budget
+        ),
     ),
     "learning-progress": Entry(
-        title="learning progress", source="Kanitscheider et al. 2021", make=_learning_progress
+        title="learning progress",
+        source="Kanitscheider et al. 2021",
+        make=lambda of: LearningProgressTeacher(
+            of.cells, config=of.teachers.learning_progress, **of.budget
+        ),
     ),
     "learnability": Entry(
         title="learnability p(1 − p)",
         source="Tzannetos et al. 2023; Rutherford et al. 2024",
-        make=_learnability,
+        make=lambda of: LearnabilityTeacher(of.cells, config=of.teachers.learnability, **of.budget),
     ),
-    "alp-gmm": Entry(title="ALP-GMM", source="Portelas et al. 2019", make=_alp_gmm),
-    "plr": Entry(title="prioritised level replay", source="Jiang et al. 2021", make=_plr),
+    "alp-gmm": Entry(
+        title="ALP-GMM",
+        source="Portelas et al. 2019",
+        make=lambda of: AlpGmmTeacher(of.whole_range, config=of.teachers.alp_gmm, **of.budget),
+    ),
+    "plr": Entry(
+        title="prioritised level replay",
+        source="Jiang et al. 2021",
+        make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
+    ),
     "spdl": Entry(title="self-paced", source="Klink et al. 2020, 2021", make=_spdl),
 }
 """By the name that the command line takes."""

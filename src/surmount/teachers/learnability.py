@@ -12,7 +12,8 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
+from surmount.teachers.adaptive import AdaptiveTeacher
+from surmount.teachers.base import EndedEpisode
 from surmount.teachers.shares import require_shares, with_uniform_share
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
+from surmount.teachers.adaptive import AdaptiveTeacher
+from surmount.teachers.base import EndedEpisode
 from surmount.teachers.shares import require_shares, with_uniform_share
 
 

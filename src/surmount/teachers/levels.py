@@ -10,18 +10,16 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
-from surmount.tasks.distribution import TaskDistribution, TaskDistributionRecord
+from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.advancement import AdvancementConfig, deciding_rule, gain_ratio, passes
+from surmount.teachers.base import BaseTeacher, EndedEpisode
 from surmount.teachers.draws import Draws
 from surmount.teachers.reward_windows import RewardWindows, make_windows
 from surmount.teachers.sentence import sentence_of
-from surmount.teachers.state import belongs_to, require_same
-from surmount.teachers.teacher import Decision, LevelTest, RolloutOutcome, TeacherStatus
-
-_NAME = "levels"
+from surmount.teachers.teacher import Decision, LevelTest, TeacherStatus
 
 
-class LevelTeacher:
+class LevelTeacher(BaseTeacher):
     """Trains level after level; each ends by eq. 5 or after a limit of extensions (II-C).
 
     An iteration ends with the first roll-out that reaches its length, so it may be longer than
@@ -42,14 +40,15 @@ class LevelTeacher:
     def __init__(
         self, levels: Sequence[TaskDistribution], config: AdvancementConfig, *, seed: int = 0
     ) -> None:
+        super().__init__(
+            name="levels", tasks=[level.to_record() for level in levels], draws=Draws(seed)
+        )
         self._levels = tuple(levels)
         self._config = config
         self._level = 0
         self._iteration = 0
-        self._steps = 0
         self._first_gain: float | None = None
         self._tests: list[LevelTest] = []
-        self._draws = Draws(seed)
         self._begin_iteration()
 
     @property
@@ -87,33 +86,13 @@ class LevelTeacher:
         """Return the level's mixture (eq. 4); after the last level, still the last."""
         return self._levels[min(self._level, len(self._levels) - 1)]
 
-    def sample(self, k: int = 1) -> FloatArray:
-        """Draw tasks of the level, shape ``(k, parameter)``."""
-        return self._draws.draw(self.distribution(), k)
-
-    def update_on_episode(
-        self,
-        episode_return: float,
-        length: int,
-        task: FloatArray,
-        progress: float,
-        env_id: int | None = None,
-        *,
-        value_error: float | None = None,
-    ) -> None:
-        """Take an episode that ended with its last decision; see :attr:`tests` for tests."""
-        if length > 0:
-            rewards = np.full(length, episode_return / length)
-            self._take(rewards, np.array([length]), np.array([float(episode_return)]))
-
-    def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
-        """Take the rewards of a roll-out; test the level where an iteration has ended."""
-        ends = outcome.episodes.step - outcome.steps_before
-        return self._take(outcome.rewards, ends, outcome.episodes.reward)
-
-    def _take(self, rewards: FloatArray, ends: IntArray, returns: FloatArray) -> LevelTest | None:
-        if self.finished:
+    def take_steps(
+        self, rewards: FloatArray, ends: IntArray, episodes: Sequence[EndedEpisode]
+    ) -> LevelTest | None:
+        """Take rewards and ends of episodes; test the level where an iteration has ended."""
+        if self.finished or rewards.size == 0:
             return None
+        returns = np.array([episode.episode_return for episode in episodes])
         self._windows.add(rewards, ends, returns)
         self._steps += rewards.size
         if self._windows.steps < self._iteration_length():
@@ -128,30 +107,17 @@ class LevelTeacher:
         self._begin_iteration()
         return test
 
-    def state_dict(self) -> dict[str, Any]:
-        """Return level, iteration, reward windows and all tests as JSON values."""
+    def _state(self) -> dict[str, Any]:
         return {
-            **belongs_to(_NAME, self._tasks()),
             "level": self._level,
             "iteration": self._iteration,
-            "steps": self._steps,
-            "draws": self._draws.calls,
             "measure": self._config.measure,
             "windows": self._windows.state_dict(),
             "first_gain": self._first_gain,
             "tests": [asdict(test) for test in self._tests],
         }
 
-    def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from a saved state.
-
-        Raises
-        ------
-        InputError
-            If the state was saved by another teacher, under another curriculum, or with another
-            measure of reward.
-        """
-        require_same(state, _NAME, self._tasks())
+    def _load(self, state: Mapping[str, Any]) -> None:
         # States from before there was a choice are by steps, with the windows among the rest.
         measure = state.get("measure", "step")
         if measure != self._config.measure:
@@ -165,15 +131,10 @@ class LevelTeacher:
             windows["steps"] = state["iteration_steps"]
         self._level = int(state["level"])
         self._iteration = int(state["iteration"])
-        self._steps = int(state["steps"])
-        self._draws.calls = int(state.get("draws", 0))
         first_gain = state["first_gain"]
         self._first_gain = None if first_gain is None else float(first_gain)
         self._windows.load_state_dict(windows)
         self._tests = [LevelTest(**test) for test in state["tests"]]
-
-    def _tasks(self) -> list[TaskDistributionRecord]:
-        return [level.to_record() for level in self._levels]
 
     def _begin_iteration(self) -> None:
         config = self._config

@@ -12,7 +12,8 @@ from surmount.core.errors import ConfigError
 from surmount.core.seeds import generator
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
+from surmount.teachers.adaptive import AdaptiveTeacher
+from surmount.teachers.base import EndedEpisode
 
 DEMOTED_BELOW = 0.5
 """Share of the way below which a learner is moved down (Rudin et al. 2021)."""

@@ -12,7 +12,8 @@ from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.adaptive import AdaptiveTeacher, EndedEpisode
+from surmount.teachers.adaptive import AdaptiveTeacher
+from surmount.teachers.base import EndedEpisode
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
 from surmount.tasks.distribution import TaskDistribution
+from surmount.teachers.base import BudgetTeacher, EndedEpisode
 from surmount.teachers.draws import Draws
-from surmount.teachers.state import belongs_to, require_same
-from surmount.teachers.teacher import RolloutOutcome, TeacherStatus
-
-_NAME = "one distribution"
 
 
-class UniformTeacher:
+class UniformTeacher(BudgetTeacher):
     """Initiation and the paper's control: uniform variants throughout (III-C).
 
     Parameters
@@ -38,56 +35,27 @@ class UniformTeacher:
         label: str = "uniform",
         seed: int = 0,
     ) -> None:
+        super().__init__(
+            label=label,
+            total_steps=total_steps,
+            name="one distribution",
+            tasks=distribution.to_record(),
+            draws=Draws(seed),
+        )
         self._distribution = distribution
-        self._total_steps = total_steps
-        self._label = label
-        self._steps = 0
-        self._draws = Draws(seed)
-
-    @property
-    def finished(self) -> bool:
-        """Whether the steps are used up."""
-        return self._steps >= self._total_steps
-
-    def status(self) -> TeacherStatus:
-        """Say where the teacher stands."""
-        return TeacherStatus(label=self._label, steps=self._steps, planned_steps=self._total_steps)
 
     def distribution(self) -> TaskDistribution:
         """Return the fixed distribution."""
         return self._distribution
 
-    def sample(self, k: int = 1) -> FloatArray:
-        """Draw tasks, shape ``(k, parameter)``."""
-        return self._draws.draw(self._distribution, k)
-
-    def update_on_episode(
-        self,
-        episode_return: float,
-        length: int,
-        task: FloatArray,
-        progress: float,
-        env_id: int | None = None,
-        *,
-        value_error: float | None = None,
+    def take_steps(
+        self, rewards: FloatArray, ends: IntArray, episodes: Sequence[EndedEpisode]
     ) -> None:
-        """Count the decisions."""
-        self._steps += length
-
-    def update_on_rollout(self, outcome: RolloutOutcome) -> None:
         """Count the steps."""
-        self._steps += outcome.rewards.size
+        self._steps += rewards.size
 
-    def state_dict(self) -> dict[str, Any]:
-        """Return the steps done and the draws made by hand."""
-        return {
-            **belongs_to(_NAME, self._distribution.to_record()),
-            "steps": self._steps,
-            "draws": self._draws.calls,
-        }
+    def _state(self) -> dict[str, Any]:
+        return {}
 
-    def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from the steps done."""
-        require_same(state, _NAME, self._distribution.to_record())
-        self._steps = int(state["steps"])
-        self._draws.calls = int(state.get("draws", 0))
+    def _load(self, state: Mapping[str, Any]) -> None:
+        pass

@@ -18,3 +18,16 @@ def up_to_date(record: Mapping[str, Any]) -> dict[str, Any]:
     if ":" in str(found.get("task", "")) and "obstacle" in record:
         found.pop("env", None)  # RSTAR's settings stood unused beside one's own environment
     return found
+
+
+def as_before(part: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of a configuration that a stage depends on by the names of before.
+
+    Only for registered tasks: RSTAR's settings stood beside somebody's own environment, so that the
+    keys of its stages cannot be told any more.
+    """
+    found = dict(part)
+    if "task" in found:
+        found["obstacle"] = str(found.pop("task")).rpartition("/")[2]
+        found["model_sha256"] = found.pop("fingerprint")
+    return found

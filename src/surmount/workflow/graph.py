@@ -2,7 +2,7 @@
 
 A stage is a function of its configuration, its seed and the artefacts of other stages. Its key is
 the hash of these, so a stage that was finished once is never run again, and one whose inputs have
-changed always is.
+changed always is. The key names the function by its kind, a word that outlives moves and renames.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from surmount.core.records import record_hash
+from surmount.workflow.earlier import as_before
 from surmount.workflow.monitor import Monitor
 from surmount.workflow.store import Artefact
 
@@ -70,6 +71,28 @@ class Resources:
 
 
 @dataclass(frozen=True, kw_only=True)
+class StageKind:
+    """What a stage does, under a name that never changes.
+
+    Attributes
+    ----------
+    name
+        Part of the key of every stage of this kind.
+    function
+        A function at the top level of a module, so that worker processes find it.
+    version
+        Raised whenever a change to the function changes what it produces.
+    legacy
+        ``"module:function"``, which keys held before there were kinds; empty for later kinds.
+    """
+
+    name: str
+    function: StageFunction
+    version: int = 1
+    legacy: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Stage:
     """One node of the graph.
 
@@ -77,12 +100,11 @@ class Stage:
     ----------
     name
         Unique name, also its folder: ``"initiation/network-0"``.
-    function
-        A function at the top level of a module, so that worker processes find it.
-    version
-        Raised whenever a change to the function changes what it produces.
+    kind
+        What it does.
     config
-        The part of the configuration it depends on, and no more, as nested records.
+        The part of the configuration it depends on, and no more, as
+        :func:`~surmount.core.configuration.key_record` gives it.
     seed
         Its seed.
     inputs
@@ -92,8 +114,7 @@ class Stage:
     """
 
     name: str
-    function: StageFunction
-    version: int = 1
+    kind: StageKind
     config: Mapping[str, Any] = field(default_factory=dict[str, Any])
     seed: int = 0
     inputs: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
@@ -101,11 +122,26 @@ class Stage:
 
     def key(self, finished: Mapping[str, Artefact]) -> str:
         """Return the hash of everything the stage depends on."""
+        return self._hash({"kind": self.kind.name}, finished)
+
+    def legacy_key(self, finished: Mapping[str, Artefact]) -> str | None:
+        """Return the key that the stage had before there were kinds, if it is that old."""
+        if not self.kind.legacy:
+            return None
+        return self._hash({"function": self.kind.legacy}, finished, config=as_before(self.config))
+
+    def _hash(
+        self,
+        what: Mapping[str, str],
+        finished: Mapping[str, Artefact],
+        *,
+        config: Mapping[str, Any] | None = None,
+    ) -> str:
         return record_hash(
             {
-                "function": f"{self.function.__module__}:{self.function.__qualname__}",
-                "version": self.version,
-                "config": self.config,
+                **what,
+                "version": self.kind.version,
+                "config": self.config if config is None else config,
                 "seed": self.seed,
                 "inputs": {
                     role: [finished[name].content_hash for name in names]

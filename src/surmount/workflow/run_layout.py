@@ -1,6 +1,7 @@
-"""What a run's output folder holds and what its stages are called.
+"""What a run's output folder holds, and what its stages and their files are called.
 
 The experiment writes by these names and the report reads by them; neither imports the other.
+Names of files end in ``_FILE``, those of a run's own records apart.
 """
 
 from __future__ import annotations
@@ -29,14 +30,53 @@ RESTARTS = "restarts.json"
 MOST_NETWORKS = 10_000
 """Networks of a run at the most: more are a mistyped number, or a damaged file."""
 
-ARMS = ("curriculum", "control")
+INITIATION = "initiation"
+CURRICULUM = "curriculum"
+CONTROL = "control"
+ARMS = (CURRICULUM, CONTROL)
 """The two ways of going on from an initial network."""
-TRAININGS = ("initiation", *ARMS)
+TRAININGS = (INITIATION, *ARMS)
 """Stages that train, one per network."""
-TRIALS = {"initiation": "trials", "curriculum": "test-curriculum", "control": "test-control"}
+TRIALS = {INITIATION: "trials", **{arm: f"test-{arm}" for arm in ARMS}}
 """Stages that roll out what was trained, one per network."""
 ANALYSIS = "analysis"
 STATISTICS = "statistics"
+COMPARISON = "teachers"
+"""Stage that compares teachers."""
+
+NETWORK_FILE = "network.safetensors"
+"""Of a training: the network."""
+HISTORY_FILE = "history.parquet"
+"""Of a training: one row per roll-out."""
+EPISODES_FILE = "episodes.parquet"
+"""Of a training: one row per episode."""
+TRAINING_FILE = "training.json"
+"""Of a training: its length, and what its teacher tested."""
+TRIALS_FILE = "trials.parquet"
+"""Of roll-outs: the logged trials."""
+ANALYSIS_FILE = "analysis.json"
+"""Of the analysis: all evidence."""
+CURRICULUM_FILE = "curriculum.json"
+"""Of the analysis: the curriculum alone."""
+STATISTICS_FILE = "statistics.json"
+"""Of the statistics over both arms."""
+COMPARISON_FILE = "teachers.json"
+"""Of the comparison of teachers."""
+
+
+def taught(teacher: str) -> str:
+    """Return the kind of the stages in which a teacher other than the protocol's trains."""
+    return f"teach/{teacher}"
+
+
+def taught_trials(teacher: str) -> str:
+    """Return the kind of the stages that roll out what such a teacher trained."""
+    return f"test-teach/{teacher}"
+
+
+def shard(stage: str, index: int) -> str:
+    """Return the name of the stage that does a part of another's roll-outs."""
+    return f"shard/{stage}/{index}"
 
 
 def per_network(kind: str, network: int) -> str:

@@ -132,7 +132,7 @@ class GraphRunner:
             if not dependencies(stage) <= self._finished.keys():
                 continue
             key = stage.key(self._finished)
-            found = self._depot.find(name, key)
+            found = self._find(stage, key)
             if found is not None:
                 del self._waiting[name]
                 self._finished[name] = found
@@ -142,12 +142,26 @@ class GraphRunner:
                 self._observer.stage_started(name)
                 self._running[name] = (stage, self._executor.submit(self._task(stage, key)))
 
+    def _find(self, stage: Stage, key: str) -> Artefact | None:
+        """Return a stage that is finished, also under the key of earlier versions.
+
+        Where it is not finished, a checkpoint under that key becomes the stage's.
+        """
+        found = self._depot.find(stage.name, key)
+        legacy = stage.legacy_key(self._finished)
+        if found is not None or legacy is None:
+            return found
+        found = self._depot.find(stage.name, legacy)
+        if found is None:
+            self._depot.store.adopt_checkpoint(stage.name, legacy, key)
+        return found
+
     def _task(self, stage: Stage, key: str) -> StageTask:
         return StageTask(
             depot=self._depot,
             name=stage.name,
             key=key,
-            function=stage.function,
+            function=stage.kind.function,
             config=stage.config,
             seed=stage.seed,
             resources=stage.resources,

@@ -21,8 +21,10 @@ class StageTask:
     ----------
     depot
         Where its inputs are and its files go.
-    name, key, function, config, seed, resources
+    name, key, config, seed, resources
         As in :class:`surmount.workflow.graph.Stage`.
+    function
+        Of the stage's kind.
     inputs
         Artefacts by role.
     """

@@ -192,6 +192,12 @@ class LocalStore:
         """Return the folder for checkpoints of an unfinished stage."""
         return self.root / "checkpoints" / stage / key[:KEY_LENGTH]
 
+    def adopt_checkpoint(self, stage: str, old_key: str, key: str) -> None:
+        """Give the checkpoint of an unfinished stage the key that the stage has now."""
+        old, new = self.checkpoint_folder(stage, old_key), self.checkpoint_folder(stage, key)
+        if old.is_dir() and not new.exists():
+            old.rename(new)
+
     def _stage_folder(self, stage: str, key: str) -> Path:
         return self.root / "stages" / stage / key[:KEY_LENGTH]
 

@@ -171,6 +171,19 @@ def test_noise_is_normal_has_the_stated_deviation_and_shows_in_nothing_but_obser
     assert np.abs(np.corrcoef(noise.T) - np.eye(7)).max() < 0.13  # 4.3 standard errors
 
 
+def test_observed_targets_are_free_of_noise_and_those_of_the_actions_that_have_arrived():
+    noise = RandomisationConfig(
+        joint_noise_deg=5.0, speed_noise_mps=0.1, action_delay_decisions=(2, 2)
+    )
+    config = EnvConfig(observe_targets=True, randomisation=noise)
+    env = ObstacleVectorEnv("step", 2, config=config, n_threads=1)
+    env.reset(seed=0, options={**FIXED, "variant": 30.0})
+    for _ in range(12):
+        seen, _, _, _, _ = env.step([[1.0, 1.0, -1.0]] * 2)
+    # Ten of twelve actions of 0.01 s: 0.1 m/s of 0.25, 8° of 72°, and 40° of 90° ± 90°.
+    assert seen[:, 6:9] == pytest.approx(np.array([[0.4, 8 / 72, -50 / 90]] * 2), abs=1e-6)
+
+
 @pytest.mark.parametrize("delay", [1, 3])
 def test_a_delay_of_so_many_decisions_is_the_undelayed_run_with_as_many_idle_ones_before(delay):
     late, prompt = course(action_delay_decisions=(delay, delay)), course()

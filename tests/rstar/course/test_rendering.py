@@ -59,7 +59,7 @@ def test_a_batch_gives_one_frame_of_each_environment():
 @needs_graphics
 def test_frames_need_neither_a_display_nor_a_variable_that_says_so():
     code = (
-        "from surmount.rstar.course import ObstacleEnv\n"
+        "from surmount import ObstacleEnv\n"
         "env = ObstacleEnv('step', render_mode='rgb_array')\n"
         "env.reset(seed=0)\n"
         "assert env.render().std() > 10\n"

@@ -60,7 +60,7 @@ def test_half_a_metre_left_costs_a_decision_as_many_units_as_it_holds(unit_m, co
 
 
 def test_a_swing_of_the_body_earns_nothing_where_the_carriers_are_measured():
-    from surmount.envs.measures import Measures  # noqa: PLC0415
+    from surmount.rstar.course.measures import Measures  # noqa: PLC0415
 
     still = np.zeros((2, 2))
     rows = np.zeros((8, 2))

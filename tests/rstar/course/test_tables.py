@@ -18,7 +18,7 @@ from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES
 
-PAGE = (Path(__file__).parents[2] / "docs" / "environments.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "environments.md").read_text(encoding="utf-8")
 
 
 def test_the_page_holds_the_tables_as_the_code_makes_them():

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small import run_first_stages, small_config
-from surmount.experiment.task_family import obstacle_family
 
 from surmount.core.errors import ConfigError, InputError, IntegrityError, OutputError
 from surmount.envs.registry import find_family
@@ -144,7 +143,7 @@ def test_a_trial_that_departs_from_its_log_is_drawn_from_the_log(root, table):
 def test_a_table_from_elsewhere_is_drawn_from_the_log(table, tmp_path):
     copy = tmp_path / "log.csv"
     write_trials(copy, read_trials(table))
-    (motion,) = shown(copy, obstacle="narrow-channel", sizes_mm=(250.0,))
+    (motion,) = shown(copy, task="narrow-channel", sizes_mm=(250.0,))
     assert motion.caption == f"trial 0 of log.csv, {CAPTION}"
     (again,) = shown(table, sizes_mm=(250.0,))
     np.testing.assert_array_equal(motion.features, again.features)
@@ -181,7 +180,7 @@ def test_a_policy_with_correlated_noise_moves_as_in_its_roll_out(network, tmp_pa
     record = {**trained.record, "exploration_noise": noise, "action_divisor": 3.0}
     mine = Snapshot(tensors=trained.tensors, record=record)
     mine.save(tmp_path / "mine.safetensors")
-    env = obstacle_family("narrow-channel", CONFIG.env).trial_env(1)
+    env = find_family("narrow-channel").trial_env(CONFIG.env, 1)
     actor = Actor(mine, env.single_observation_space, env.single_action_space)
     rolled = roll_out(
         env,
@@ -210,18 +209,18 @@ def test_a_network_from_elsewhere_knows_its_obstacle_and_may_be_tried_on_another
     copy = shutil.copy(network, tmp_path / "mine.safetensors")
     (motion,) = shown(copy)
     assert (motion.obstacle.name, motion.size_mm) == ("narrow-channel", 180.0)
-    (motion,) = shown(copy, obstacle="low-entrance", changes={"env.episode_s": 0.5})
+    (motion,) = shown(copy, task="low-entrance", changes={"env.episode_s": 0.5})
     assert motion.caption == "mine.safetensors, actions drawn by seed 0"
     assert (motion.obstacle.name, motion.size_mm) == ("low-entrance", 55.0)
     assert motion.config.decision_interval_s == CONFIG.env.decision_interval_s
     with pytest.raises(InputError, match="takes 6 observations, and step has 7"):
-        shown(copy, obstacle="step")
+        shown(copy, task="step")
 
 
 def test_a_manoeuvre_is_played_on_every_size_asked_for(tmp_path):
     path = tmp_path / "straight.json"
     path.write_text(json.dumps({"phases": [STRAIGHT]}), encoding="utf-8")
-    narrow, wide = shown(path, obstacle="narrow-channel", sizes_mm=(190.0, 320.0))
+    narrow, wide = shown(path, task="narrow-channel", sizes_mm=(190.0, 320.0))
     assert narrow.caption == wide.caption == "manoeuvre straight.json"
     assert narrow.success  # at a sprawl of 20° RSTAR is 178 mm wide
     assert wide.success
@@ -262,13 +261,21 @@ def test_a_robot_may_just_stand():
     ("options", "sentence", "remedy"),
     [
         ({"stage": "curriculum/network-0"}, "no finished stage", "initiation/network-0"),
-        ({"obstacle": "step"}, "run on narrow-channel, not on step", "Leave the obstacle out"),
+        (
+            {"task": "rstar/step"},
+            "run on rstar/narrow-channel, not on rstar/step",
+            "Leave the task out",
+        ),
         ({"trials": (1,)}, "With a network, --trial would do nothing", "Leave it out"),
         ({"network": 1}, "With a network, --network would do nothing", "Leave it out"),
         ({"standing": True}, "With a network, --stand would do nothing", "Leave it out"),
         ({"sizes_mm": (100.0,)}, "width_mm 100 is not admissible", "from 170 to 330"),
         ({"changes": {"env.robot.gears": "both"}}, "Unknown config", "env.robot.gear"),
-        ({"changes": {"obstacle": "step"}}, "for step, not for narrow-channel", "obstacle"),
+        (
+            {"changes": {"task": "rstar/step"}},
+            "for rstar/step, not for rstar/narrow-channel",
+            "task",
+        ),
     ],
 )
 def test_wrong_options_for_a_network_are_refused(root, options, sentence, remedy):
@@ -288,7 +295,7 @@ def test_wrong_options_for_a_network_are_refused(root, options, sentence, remedy
         ({"sizes_mm": (185.0,)}, "no trial 0 of network 0 on 185 mm"),
         ({"trials": (2,)}, "no trial 2 of network 0 on 180 mm"),
         ({"network": 3}, "no trial 0 of network 3"),
-        ({"obstacle": "step"}, "run on narrow-channel, not on step"),
+        ({"task": "rstar/step"}, "run on rstar/narrow-channel, not on rstar/step"),
     ],
 )
 def test_wrong_options_for_trials_are_refused(table, options, sentence):
@@ -315,7 +322,7 @@ def test_files_that_cannot_be_shown_are_named(tmp_path, name, text, error, sente
     if text is not None:
         path.write_text(text, encoding="utf-8")
     with pytest.raises(error, match=sentence):
-        shown(path, obstacle="step")
+        shown(path, task="step")
 
 
 def test_an_unknown_obstacle_is_told_the_nearest(network, tmp_path):
@@ -323,7 +330,7 @@ def test_an_unknown_obstacle_is_told_the_nearest(network, tmp_path):
         shown("stepp")
     copy = shutil.copy(network, tmp_path)
     with pytest.raises(ConfigError, match="Did you mean `step`"):
-        shown(copy, obstacle="stepp")
+        shown(copy, task="stepp")
 
 
 def test_a_run_that_has_trained_nothing_has_nothing_to_show(tmp_path):
@@ -345,8 +352,8 @@ def test_a_log_without_the_features_is_refused(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("variant,network,trial,success,time_s\n30,0,0,true,0\n", encoding="utf-8")
     with pytest.raises(InputError, match="no feature `sprawl_deg`"):
-        shown(path, obstacle="step")
+        shown(path, task="step")
     text = "variant.a,variant.b,network,trial,success,time_s\n30,1,0,0,true,0\n"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="several task parameters: a, b"):
-        shown(path, obstacle="step")
+        shown(path, task="step")

@@ -11,7 +11,7 @@ from surmount.rstar.robot import kinematics
 from surmount.rstar.robot.config import RobotConfig
 from surmount.rstar.robot.constants import QUANTITIES
 
-PAGE = (Path(__file__).parents[2] / "docs" / "robot.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "robot.md").read_text(encoding="utf-8")
 ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")]
     for line in PAGE.splitlines()

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_random_intercept import random_data
+from mixed_data import random_data
 
 from surmount.stats.mixed.inference import contrast_law, estimate, means_law
 from surmount.stats.mixed.random_intercept import decompose, fit

@@ -12,7 +12,7 @@ from surmount.core.arrays import FloatArray, IntArray
 from surmount.report.document.parts import Columns
 from surmount.report.results import TrainingResult
 from surmount.teachers.teacher import LevelTest
-from surmount.workflow.run_layout import TRAININGS
+from surmount.workflow.run_layout import CURRICULUM, INITIATION, TRAININGS
 
 Measure = Literal["reward", "success"]
 Trainings = Mapping[str, Mapping[int, TrainingResult]]
@@ -93,7 +93,7 @@ def curves_of(trainings: Trainings, network: int, measure: Measure) -> list[Curv
                     window=window,
                 )
             )
-        if kind == "initiation":
+        if kind == INITIATION:
             begin = training.total_steps
     return found
 
@@ -111,8 +111,8 @@ def levels_left_before(training: TrainingResult, steps: IntArray) -> IntArray:
 
 def tests_of(trainings: Trainings, network: int) -> list[tuple[int, LevelTest]]:
     """Return every level test with its learning steps since the network began."""
-    training = trainings.get("curriculum", {}).get(network)
-    initiation = trainings.get("initiation", {}).get(network)
+    training = trainings.get(CURRICULUM, {}).get(network)
+    initiation = trainings.get(INITIATION, {}).get(network)
     begin = initiation.total_steps if initiation else 0
     return [(begin + test.steps, test) for test in training.level_tests] if training else []
 
@@ -161,7 +161,7 @@ def learning_data(
             len(tests),
             kind=["level test"] * len(tests),
             network=[network] * len(tests),
-            stage=["curriculum"] * len(tests),
+            stage=[CURRICULUM] * len(tests),
             steps=[step for step, _ in tests],
             **{name: [getattr(test, name) for _, test in tests] for name in fields},
         )

@@ -24,7 +24,7 @@ from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.figures.plots import annotate, compact, hover, plot
 from surmount.report.figures.stills import axes_grid
 from surmount.teachers.teacher import Decision, LevelTest
-from surmount.workflow.run_layout import TRAININGS
+from surmount.workflow.run_layout import CURRICULUM, TRAININGS
 
 TITLES = {
     "reward": "mean reward per step",
@@ -214,7 +214,7 @@ def _level_name(level: int, levels: int) -> str:
 
 
 def _learning(curves: list[Curve]) -> Curve | None:
-    return next((curve for curve in curves if curve.kind == "curriculum"), None)
+    return next((curve for curve in curves if curve.kind == CURRICULUM), None)
 
 
 def _add_tests(figure: go.Figure, curves: list[Curve], tests: list[tuple[int, LevelTest]]) -> None:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from surmount.workflow.run_layout import CONTROL, CURRICULUM, INITIATION
+
 INK = "#1c1c1c"
 MUTED = "#5f5f5f"
 GRID = "#e4e4e4"
@@ -44,14 +46,14 @@ class ArmStyle:
 
 
 ARM_STYLES = {
-    "initiation": ArmStyle(
-        name="initiation", colour="#7a7a7a", dash="dot", marker="circle", line=":", point="o"
+    INITIATION: ArmStyle(
+        name=INITIATION, colour="#7a7a7a", dash="dot", marker="circle", line=":", point="o"
     ),
-    "curriculum": ArmStyle(
-        name="curriculum", colour="#0072B2", dash="solid", marker="square", line="-", point="s"
+    CURRICULUM: ArmStyle(
+        name=CURRICULUM, colour="#0072B2", dash="solid", marker="square", line="-", point="s"
     ),
-    "control": ArmStyle(
-        name="control", colour="#D55E00", dash="dash", marker="diamond", line="--", point="D"
+    CONTROL: ArmStyle(
+        name=CONTROL, colour="#D55E00", dash="dash", marker="diamond", line="--", point="D"
     ),
 }
 """What was learnt on what: initiation, then either the curriculum or uniform variants."""

@@ -11,12 +11,19 @@ from surmount.core.records import file_hash
 from surmount.report.document.parts import Film, Films, Paragraph, Section
 from surmount.report.document.text import listed
 from surmount.workflow.run_folder import RunFolder
-from surmount.workflow.run_layout import FILM_FOLDER, FILMS, read_run_record
+from surmount.workflow.run_layout import (
+    CONTROL,
+    CURRICULUM,
+    FILM_FOLDER,
+    FILMS,
+    INITIATION,
+    read_run_record,
+)
 
 WORDS = {
-    "initiation": "After the initiation",
-    "curriculum": "With the curriculum",
-    "control": "Without it",
+    INITIATION: "After the initiation",
+    CURRICULUM: "With the curriculum",
+    CONTROL: "Without it",
 }
 
 

@@ -9,7 +9,7 @@ from surmount.report.figures.palette import ARM_STYLES
 from surmount.report.results import RunResults
 from surmount.report.sections.level_tests import level_tests
 from surmount.report.sections.levels_left import levels_left_blocks
-from surmount.workflow.run_layout import TRAININGS
+from surmount.workflow.run_layout import CURRICULUM, TRAININGS
 
 FEW_TESTS = 12
 """Up to so many tests are shown at once; more are folded network by network."""
@@ -28,7 +28,7 @@ def learning_section(results: RunResults) -> Section:
         )
     blocks.append(training_table(results))
     if results.analysis is not None:
-        blocks += levels_left_blocks(results.trainings["curriculum"], results.analysis.curriculum)
+        blocks += levels_left_blocks(results.trainings[CURRICULUM], results.analysis.curriculum)
     blocks += level_tests(results)
     return Section(anchor="learning", title="Learning", blocks=tuple(blocks))
 

@@ -17,6 +17,7 @@ from surmount.report.document.text import (
 from surmount.report.results import RunResults
 from surmount.report.verdicts import group_sentence
 from surmount.workflow.run_folder import RunFolder
+from surmount.workflow.run_layout import INITIATION
 
 MOST_NAMED = 8
 """Up to so many missing stages are named."""
@@ -77,7 +78,7 @@ def summary(results: RunResults) -> list[str]:
     """Say what was grouped, how many levels there are, and what the tests show."""
     analysis, comparison = results.analysis, results.comparison
     if analysis is None:
-        trained = len(results.trainings["initiation"])
+        trained = len(results.trainings[INITIATION])
         return [
             (
                 f"{counted(trained, 'network')} of {results.folder.networks} finished the "

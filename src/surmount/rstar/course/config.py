@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
+from surmount.core.configuration import absent
 from surmount.core.errors import ConfigError
 from surmount.rstar.course.randomisation import RandomisationConfig
 from surmount.rstar.robot import constants as c
@@ -125,10 +126,10 @@ class RewardConfig:
     steps with decisions of 20 ms, m had overcome 100, 92 and 19 % of easy, medium and difficult
     steps, cm 100, 96 and 31 % (ADR 21). ``docs/environments.md`` says what each unit costs a robot
     that is stuck."""
-    distance_point: DistancePoint = "body"
+    distance_point: DistancePoint = field(default="body", metadata=absent("body"))
     """Where D_z is measured: at the base, which moves with the body ("body"), or half-way between
-    the axles of both carriers, which stay where the wheels are while FBEM swings the body
-    ("carriers"). Assumed. An episode succeeds by the base in both cases."""
+    the axles of both carriers, which stay with the wheels while FBEM swings the body ("carriers");
+    assumed. An episode succeeds by the base in both cases."""
     angle_unit_deg: float = 5.0
     """Unit of the changes of angle in degrees; assumed, so that a degree costs 0.001 and a swing
     from start pose to any other costs less than a tenth of the target's reward."""
@@ -165,7 +166,7 @@ class EnvConfig:
     """The reward's weights and units."""
     randomisation: RandomisationConfig = field(default_factory=RandomisationConfig)
     """Randomised dynamics, sensor noise and late actions; off."""
-    observe_targets: bool = False
+    observe_targets: bool = field(default=False, metadata=absent(False))
     """Whether the targets of the speed, FBEM and sprawl servos are observed. They integrate the
     actions, and where the robot is blocked they run ahead of the measured angles, which a policy
     otherwise does not see; the paper's policy does not."""

@@ -17,7 +17,6 @@ from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_record
 from surmount.experiment.origin import config_of, home
-from surmount.experiment.stages import NETWORK, TRIALS
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.configured import obstacle_of
 from surmount.rstar.course.config import EnvConfig
@@ -30,7 +29,14 @@ from surmount.rstar.manoeuvres.manoeuvre import Manoeuvre, Player
 from surmount.rstar.manoeuvres.stored import stored_manoeuvre
 from surmount.trials.table import read_trials
 from surmount.workflow.run_folder import RunFolder, open_run
-from surmount.workflow.run_layout import ARMS, per_network
+from surmount.workflow.run_layout import (
+    ARMS,
+    CURRICULUM,
+    INITIATION,
+    NETWORK_FILE,
+    TRIALS_FILE,
+    per_network,
+)
 
 STANDING_S = 2.0
 """How long a robot is shown that stands still, in s."""
@@ -105,7 +111,7 @@ def motions(wanted: Wanted) -> Iterator[Motion]:
 
 
 def _of_run(wanted: Wanted, run: RunFolder) -> Iterator[Motion]:
-    trained = [name for name in map(_first_network, (*ARMS, "initiation")) if name in run.stages]
+    trained = [name for name in map(_first_network, (*ARMS, INITIATION)) if name in run.stages]
     stage = wanted.stage or next(iter(trained), "")
     if stage not in run.stages:
         finished = [name for name in run.stages if name.partition("/")[1]]
@@ -116,13 +122,13 @@ def _of_run(wanted: Wanted, run: RunFolder) -> Iterator[Motion]:
             remedy=f"Finished are: {', '.join(finished) or 'none'}.",
         )
     artefact = run.stages[stage]
-    if NETWORK in artefact.files:
-        return _by_network(wanted, artefact.path(NETWORK), run, stage)
-    if TRIALS in artefact.files:
-        return _logged(wanted, artefact.path(TRIALS), run, stage)
+    if NETWORK_FILE in artefact.files:
+        return _by_network(wanted, artefact.path(NETWORK_FILE), run, stage)
+    if TRIALS_FILE in artefact.files:
+        return _logged(wanted, artefact.path(TRIALS_FILE), run, stage)
     raise InputError(
         f"Stage `{stage}` holds neither a network nor trials.",
-        remedy=f"Name one that does, such as {_first_network('curriculum')}.",
+        remedy=f"Name one that does, such as {_first_network(CURRICULUM)}.",
     )
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.configuration import from_record
 from surmount.core.errors import InputError
+from surmount.experiment import kinds
 from surmount.experiment.config import config_from_record
 from surmount.experiment.protocol import protocol
-from surmount.experiment.stages import FIRST, NETWORK, join_trials, run_trials
+from surmount.experiment.stages import FIRST
 from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.snapshot import Snapshot
 from surmount.rstar.configured import obstacle_of
@@ -24,6 +25,7 @@ from surmount.rstar.film.replay import CAPTION, logged_features, replay_log
 from surmount.trials.trials import Trials
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_folder import RunFolder
+from surmount.workflow.run_layout import NETWORK_FILE
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,7 +136,7 @@ def _simulated(log: Log, trial: int, size_mm: float) -> Motion | None:
         return None
     index = trial - int(shard.argmax())  # a shard's rows follow one another
     pilot = PolicyPilot(
-        Snapshot.load(made.path(NETWORK)),
+        Snapshot.load(made.path(NETWORK_FILE)),
         log.obstacle,
         log.config,
         seed=stage.seed,
@@ -151,13 +153,13 @@ def _definition(run: RunFolder, name: str, repetition: int) -> Stage | None:
     """Return the stage that rolled a repetition out, as the run's protocol defines it."""
     stages = {stage.name: stage for stage in protocol(config_from_record(run.config))}
     stage = stages.get(name)
-    if stage is not None and stage.function is join_trials:
+    if stage is not None and stage.kind is kinds.JOIN_TRIALS:
         shards = [stages[shard] for shard in stage.inputs["shards"]]
         stage = max(
             (shard for shard in shards if shard.config[FIRST] <= repetition),
             key=lambda shard: shard.config[FIRST],
         )
-    return stage if stage is not None and stage.function is run_trials else None
+    return stage if stage is not None and stage.kind is kinds.TRIALS else None
 
 
 def _departure(motion: Motion, features: FloatArray) -> str:

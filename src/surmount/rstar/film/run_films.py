@@ -10,14 +10,20 @@ import numpy as np
 
 from surmount.core.records import file_hash, read_record, write_record
 from surmount.envs.video import write_mp4, write_png
-from surmount.experiment import stages
 from surmount.experiment.config import config_from_record
 from surmount.rstar.configured import obstacle_of
 from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
 from surmount.rstar.film.logged_trials import logged_motion, run_log
 from surmount.trials.table import read_trials
 from surmount.workflow.run_folder import RunFolder
-from surmount.workflow.run_layout import FILM_FOLDER, FILMS, SCHEMA, TRIALS, per_network
+from surmount.workflow.run_layout import (
+    FILM_FOLDER,
+    FILMS,
+    SCHEMA,
+    TRIALS,
+    TRIALS_FILE,
+    per_network,
+)
 
 NETWORK, TRIAL = 0, 0
 """Shown is always the first trial of the first network, whatever happens in it."""
@@ -54,7 +60,7 @@ def draw_films(run: RunFolder, say: Callable[[str], None]) -> None:
         if key in earlier:
             drawn.append(earlier[key])
             continue
-        table = run.stages[stage].path(stages.TRIALS)
+        table = run.stages[stage].path(TRIALS_FILE)
         trials = read_trials(table)
         log = run_log(run, stage, trials, str(table))
         motion = logged_motion(log, log.find(size_mm, TRIAL, NETWORK))

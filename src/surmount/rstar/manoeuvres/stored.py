@@ -51,7 +51,7 @@ def stored_manoeuvres(obstacle: str) -> tuple[StoredManoeuvre, ...]:
         If there is no such obstacle.
     """
     find_obstacle(obstacle)
-    text = files("surmount.rstar.course").joinpath(FILE).read_text(encoding="utf-8")
+    text = files("surmount.rstar.manoeuvres").joinpath(FILE).read_text(encoding="utf-8")
     return tuple(
         StoredManoeuvre(
             size_mm=entry["size_mm"],

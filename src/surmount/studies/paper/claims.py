@@ -30,8 +30,13 @@ from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.differences import network_difference
 from surmount.stats.evidence import bootstrap_interval
 from surmount.stats.proportions import proportion_test
-from surmount.studies.paper.results import SURVIVAL_CLAIM, PaperGroup, PaperResult, paper_result
-from surmount.workflow.run_layout import ARMS
+from surmount.studies.paper.results import (
+    SURVIVAL_CLAIM,
+    PaperGroup,
+    PaperResult,
+    paper_result,
+)
+from surmount.workflow.run_layout import ARMS, INITIATION
 
 Verdict = Literal["reproduced", "partly", "not reproduced", "open"]
 NEAR = 0.10
@@ -74,11 +79,11 @@ def claims_of(results: RunResults) -> tuple[Claim, ...]:
     sizes_mm = results.analysis.variants[:, 0]
     groups = [group for group in paper.groups if group.holds(sizes_mm).any()]
     claims = [_groups(paper, results.analysis), _levels(paper, results.analysis)]
-    if "initiation" in tests:
-        claims += [_initiation(group, tests["initiation"]) for group in groups]
+    if INITIATION in tests:
+        claims += [_initiation(group, tests[INITIATION]) for group in groups]
     of_arms: list[Claim] = []
     if all(arm in tests for arm in ARMS):
-        before = tests.get("initiation")
+        before = tests.get(INITIATION)
         of_arms += [_success(group, tests[ARMS[0]], tests[ARMS[1]], before) for group in groups]
     if results.comparison is not None:
         of_arms.append(_survival(results.comparison))

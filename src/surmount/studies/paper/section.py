@@ -19,8 +19,13 @@ from surmount.report.document.text import (
 from surmount.report.results import RunResults
 from surmount.report.verdicts import because, success_verdict, time_verdict
 from surmount.studies.paper.claims import Claim, claims_of
-from surmount.studies.paper.results import SOURCE, SURVIVAL_CLAIM, PaperGroup, paper_result
-from surmount.workflow.run_layout import ARMS
+from surmount.studies.paper.results import (
+    SOURCE,
+    SURVIVAL_CLAIM,
+    PaperGroup,
+    paper_result,
+)
+from surmount.workflow.run_layout import ARMS, CONTROL, CURRICULUM, INITIATION
 
 RULES = (
     "The rules for verdicts (ADR 32) were written before any run at the paper's scale; that claims "
@@ -135,9 +140,9 @@ def _group_rows(
         (
             f"{paper.name}: with curriculum",
             _count(paper.curriculum),
-            _ours(entry, "curriculum"),
+            _ours(entry, CURRICULUM),
         ),
-        (f"{paper.name}: without", _count(paper.control), _ours(entry, "control")),
+        (f"{paper.name}: without", _count(paper.control), _ours(entry, CONTROL)),
         (
             f"{paper.name}: test of success",
             ("more successes with curriculum" if paper.more_successes else "no difference")
@@ -150,8 +155,8 @@ def _group_rows(
 def _first_level(results: RunResults) -> str:
     """Return the least and the most learning steps at which networks left their first level."""
     ends = [
-        results.trainings["initiation"][network].total_steps + test.steps
-        for network, training in results.trainings["curriculum"].items()
+        results.trainings[INITIATION][network].total_steps + test.steps
+        for network, training in results.trainings[CURRICULUM].items()
         for test in training.level_tests
         if test.level == 0 and test.decision != "extend"
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from surmount.cli.main import told_error
+from surmount.core.extras import told_error
 from surmount.report.contents import family_of
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.store import output_errors
