@@ -16,7 +16,7 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, cast, get_type_hints
 
 import tyro
 
@@ -107,7 +107,7 @@ def run_configured(
         own = {key: changes.pop(key) for key in [*changes] if key.startswith(f"{name}.")}
         more[name] = _override_below(name, default, own)
     base = override(begun_with(asked), changes)
-    kind = _combined(options, base, more)
+    kind = combined(options, base, more)
     defaults = {name: getattr(base, name) for name in _flag_fields(base)} | more
     parsed: Any = tyro.cli(
         kind, prog=f"surmount {verb}", args=list(arguments), description=description
@@ -177,7 +177,7 @@ def _option_names(options: type[Any]) -> set[str]:
     """Return the names of a verb's options, those of the dataclasses among them included."""
     names: set[str] = set()
     for name, kind in get_type_hints(options).items():
-        names |= _option_names(kind) if dataclasses.is_dataclass(kind) else {name}
+        names |= _option_names(cast(type[Any], kind)) if dataclasses.is_dataclass(kind) else {name}
     return names
 
 
@@ -185,9 +185,7 @@ def _flag_fields(config: ExperimentConfig) -> list[str]:
     return [one.name for one in dataclasses.fields(config) if one.name not in NOT_FLAGS]
 
 
-def _combined(
-    options: type[Any], base: ExperimentConfig, beside: Mapping[str, object]
-) -> type[Any]:
+def combined(options: type[Any], base: ExperimentConfig, beside: Mapping[str, object]) -> type[Any]:
     """Return one dataclass of a verb's options and of the configuration's fields."""
     told = attribute_docs(ExperimentConfig)
     fields: list[tuple[str, Any, Any]] = []
