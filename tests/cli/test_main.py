@@ -11,12 +11,17 @@ import pytest
 from example_trials import two_behaviours
 from small import SMALL, small_config
 
-from surmount.cli.main import run
+from surmount import __version__
+from surmount.cli.main import VERBS, run
 from surmount.core.configuration import dotted_keys, override, read_overrides
 from surmount.core.records import read_record, write_record
+from surmount.experiment.config import config_class
 from surmount.experiment.presets import preset
 from surmount.experiment.running import begin
+from surmount.rstar.course.config import EnvConfig
 from surmount.trials.table import write_trials
+
+STILLS = ["render", "step", "--stand", "--out", "x.png"]
 
 
 def call(capsys, *arguments) -> tuple[int, str, str]:
@@ -88,13 +93,10 @@ def test_resuming_another_obstacle_is_refused(capsys, tmp_path):
 def test_a_missing_extra_ends_with_code_6(tmp_path):
     program = (
         "import sys; sys.modules['mujoco'] = None\n"
-        "from surmount.cli.main import run; sys.exit(run(sys.argv[1:]))"
+        f"from surmount.cli.main import run; sys.exit(run({STILLS}))"
     )
     done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", program, "reproduce", "step", "--out", str(tmp_path / "run")],
-        capture_output=True,
-        text=True,
-        check=False,
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path
     )
     assert done.returncode == 6
     assert "pip install 'surmount[robot]'" in done.stderr
@@ -102,9 +104,9 @@ def test_a_missing_extra_ends_with_code_6(tmp_path):
 
 
 def test_a_way_to_draw_that_is_not_there_ends_with_code_2(tmp_path):
-    call = ["reproduce", "step", "--out", str(tmp_path / "run")]
     done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", f"from surmount.cli.main import main; main({call})"],
+        [sys.executable, "-m", "surmount", *STILLS],
+        cwd=tmp_path,
         capture_output=True,
         text=True,
         check=False,
@@ -137,6 +139,15 @@ sys.exit(run(sys.argv[1:]))
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "curriculum.json").is_file()
+    other = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", program, *STILLS],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert other.returncode == 6
+    assert "pip install 'surmount[" in other.stderr
 
 
 def test_a_printed_configuration_is_read_back_unchanged(capsys, tmp_path):
@@ -145,8 +156,8 @@ def test_a_printed_configuration_is_read_back_unchanged(capsys, tmp_path):
     path.write_text(out, encoding="utf-8")
     changes = read_overrides(path)
     assert code == 0
-    assert list(changes) == dotted_keys(type(preset("step", "paper")))
-    assert override(preset("step", "smoke"), changes) == preset("step", "paper")
+    assert list(changes) == dotted_keys(config_class(EnvConfig))
+    assert override(preset("low-entrance", "smoke"), changes) == preset("step", "paper")
 
 
 def test_every_repeated_assignment_counts(capsys):
@@ -156,10 +167,25 @@ def test_every_repeated_assignment_counts(capsys):
 
 
 def test_help_names_every_verb(capsys):
-    assert run(["--help"]) == 0
-    out = capsys.readouterr().out
-    for verb in ("reproduce", "analyze", "report", "show", "render", "view", "config"):
-        assert verb in out
+    code, out, _ = call(capsys, "--help")
+    assert code == 0
+    for verb in VERBS:
+        assert f"  {verb} " in out
+
+
+def test_without_a_verb_all_are_listed(capsys):
+    assert call(capsys) == call(capsys, "--help")
+
+
+def test_the_version_is_told(capsys):
+    assert call(capsys, "--version") == (0, f"surmount {__version__}\n", "")
+
+
+def test_of_a_mistyped_verb_the_nearest_is_named(capsys):
+    code, _, err = call(capsys, "reprodcue", "step")
+    assert code == 2
+    assert "There is no verb `reprodcue`." in err
+    assert "Did you mean `reproduce`?" in err
 
 
 @pytest.fixture(scope="module")

@@ -1,67 +1,56 @@
-"""The registered tasks are listed with what one must know to choose among them."""
+"""`tasks` lists what is registered, with ranges, units and what is harder."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import numpy as np
 
 from surmount.cli.main import run
+from surmount.cli.tasks import WIDTH
+from surmount.core.configuration import dotted_keys
+from surmount.core.errors import InputError
+from surmount.envs.registry import find_family
+from surmount.rstar.course.config import EnvConfig
 
 
-def test_every_task_of_rstar_is_listed_with_its_parameter_and_range(capsys):
-    assert run(["tasks"]) == 0
-    out = capsys.readouterr().out
-    assert "rstar/step: RSTAR and the step" in out
-    assert "height_mm: 21 to 50 mm;" in out
-    assert "width_mm: 180 to 320 mm;" in out
-    assert "  30 variants" in out
+def tasks(capsys, *arguments) -> str:
+    assert run(["tasks", *arguments]) == 0
+    return capsys.readouterr().out
 
 
-def test_one_task_is_shown_with_its_variants_and_settings(capsys):
-    assert run(["tasks", "low-entrance"]) == 0
-    out = capsys.readouterr().out
-    assert "55, 60, 65" in out
-    assert 'env.robot.gear = "wheels"' in out
+def test_the_obstacles_of_the_paper_are_listed_with_range_unit_and_direction(capsys):
+    said = tasks(capsys)
+    assert "rstar/step: RSTAR and the step\n  height_mm: 21 to 50 mm; larger is harder\n" in said
+    assert "  width_mm: 180 to 320 mm; smaller is harder\n  15 variants\n" in said
+    assert "  height_mm: 55 to 140 mm; smaller is harder\n  18 variants\n" in said
 
 
-def test_somebodys_environment_has_no_settings(capsys):
-    assert run(["tasks", "own_point:make_env"]) == 0
-    assert "no settings of its own" in capsys.readouterr().out
+def test_one_task_is_shown_with_all_variants_and_keys(capsys):
+    said = tasks(capsys, "step")
+    assert all(f"\n  env.{key} = " in said for key in dotted_keys(EnvConfig))
+    listed = said.partition("variants\n  21, ")[2].partition("\n\n")[0]
+    assert [float(one) for one in listed.split(",")] == [*np.arange(22.0, 51.0)]
+    assert max(map(len, said.splitlines())) <= WIDTH
 
 
-def test_no_verb_loads_a_learner_or_a_simulator_to_tell_its_options():
-    program = """
-import sys
-from surmount.cli.main import VERBS, run
-for verb in VERBS:
-    try:
-        run([verb, "--help"])
-    except SystemExit as ended:
-        assert not ended.code, verb
-heavy = {"torch", "mujoco", "scipy.stats", "matplotlib", "plotly", "polars"} & set(sys.modules)
-sys.exit(", ".join(heavy) or None)
-"""
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+def test_an_environment_of_ones_own_is_shown_too(capsys):
+    said = tasks(capsys, "own_point:make_env")
+    assert "  distance_m: 0.5 to 2 m; " in said
+    assert "  wind: 0 to 2; " in said
+    assert "no settings of its own" in said
 
 
-def test_a_flag_counts_over_set_and_set_over_a_file(capsys, tmp_path):
-    file = tmp_path / "c.toml"
-    file.write_text('seed = 1\nnetworks = 7\n"env.robot.gear" = "whegs"\n', encoding="utf-8")
-    call = ["config", "step", "--config", str(file), "--set", "networks=3", "--seed", "9"]
-    assert run([*call, "--env.robot.gear", "both"]) == 0
-    out = capsys.readouterr().out
-    assert "seed = 9\nnetworks = 3\n" in out
-    assert 'env.robot.gear = "both"' in out
+def test_a_task_that_cannot_be_made_does_not_hide_the_others(capsys, monkeypatch):
+    class Broken(type(find_family("step"))):
+        def space(self, settings):
+            raise InputError("It is broken.", remedy="Mend it.")
+
+    families = {"a/broken": Broken(find_family("step").obstacle), "b/step": find_family("step")}
+    monkeypatch.setattr("surmount.cli.tasks.registered_families", lambda: families)
+    said = tasks(capsys)
+    assert "It is broken. Mend it." in said
+    assert "30 variants" in said
 
 
-def test_set_needs_no_quotes_inside_quotes(capsys):
-    assert run(["config", "step", "--set", "env.robot.gear=both"]) == 0
-    assert 'env.robot.gear = "both"' in capsys.readouterr().out
-
-
-def test_a_mistyped_verb_names_the_nearest(capsys):
-    assert run(["shwo"]) == 2
-    assert "Did you mean `show`?" in capsys.readouterr().err
+def test_of_a_mistyped_task_the_nearest_is_named(capsys):
+    assert run(["tasks", "stepp"]) == 2
+    assert "Did you mean `step`?" in capsys.readouterr().err

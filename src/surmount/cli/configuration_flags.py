@@ -16,7 +16,7 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, cast, get_type_hints
 
 import tyro
 
@@ -30,6 +30,7 @@ from surmount.experiment.presets import preset
 
 NOT_FLAGS = ("task", "preset", "fingerprint")
 """Keys that the options or the run itself say."""
+HELP = ("-h", "--help")
 _VALUE = re.compile(r"[^-]|-[\d.]|-$")
 """How an argument begins that is no option."""
 
@@ -89,10 +90,10 @@ def run_configured(
         Configurations that have flags too, by the name that begins them.
     """
     description = inspect.cleandoc(description)
-    wants_help = any(argument in ("-h", "--help") for argument in arguments)
-    asked = _asked(options, arguments, verb, quietly=wants_help)
+    wants_help = any(argument in HELP for argument in arguments)
+    asked = _asked(options, arguments, verb, out_may_lack=wants_help)
     more = dict(beside or {})
-    if asked is None or (wants_help and asked.task is None and not _resumes(asked)):
+    if wants_help and asked.task is None and not _resumes(asked):
         tyro.cli(
             options,
             prog=f"surmount {verb}",
@@ -106,7 +107,7 @@ def run_configured(
         own = {key: changes.pop(key) for key in [*changes] if key.startswith(f"{name}.")}
         more[name] = _override_below(name, default, own)
     base = override(begun_with(asked), changes)
-    kind = _combined(options, base, more)
+    kind = combined(options, base, more)
     defaults = {name: getattr(base, name) for name in _flag_fields(base)} | more
     parsed: Any = tyro.cli(
         kind, prog=f"surmount {verb}", args=list(arguments), description=description
@@ -151,44 +152,40 @@ def begun_with(options: ConfigurationOptions) -> ExperimentConfig:
 
 
 def _asked(
-    options: type[Options], arguments: Sequence[str], verb: str, *, quietly: bool
-) -> Options | None:
-    """Return the options alone, without the configuration's flags and their values."""
+    options: type[Options], arguments: Sequence[str], verb: str, *, out_may_lack: bool
+) -> Options:
+    """Return the options alone, without the configuration's flags and their values.
+
+    What is neither is taken for a mistyped flag: reading all together tells it, and the nearest.
+    """
+    own = _option_names(options)
     kept: list[str] = []
     dropping = False
     for argument in arguments:
-        if argument in ("-h", "--help"):
+        if argument in HELP:
             continue
-        if _VALUE.match(argument):
-            if not dropping:
-                kept.append(argument)
-            continue
-        dropping = _is_flag(argument, options)
+        if not _VALUE.match(argument):
+            dropping = argument.lstrip("-").partition("=")[0].replace("-", "_") not in own
         if not dropping:
             kept.append(argument)
-    if not quietly:
-        return tyro.cli(options, prog=f"surmount {verb}", args=kept)
-    task = kept[0] if kept and _VALUE.match(kept[0]) else None
-    required: dict[str, Any] = {"out": Path()} if issubclass(options, RunOptions) else {}
-    return options(task=task, **required)
+    if out_may_lack and "out" in own and not any(one.startswith("--out") for one in kept):
+        kept += ["--out", "."]
+    return tyro.cli(options, prog=f"surmount {verb}", args=kept)
 
 
-def _is_flag(argument: str, options: type[Any]) -> bool:
-    """Whether an argument is a flag of the configuration, not an option of the verb."""
-    name = argument.lstrip("-").partition("=")[0].replace("-", "_")
-    if "." in name:
-        return True
-    own = {one.name for one in dataclasses.fields(options)}
-    return name in {one.name for one in dataclasses.fields(ExperimentConfig)} - own
+def _option_names(options: type[Any]) -> set[str]:
+    """Return the names of a verb's options, those of the dataclasses among them included."""
+    names: set[str] = set()
+    for name, kind in get_type_hints(options).items():
+        names |= _option_names(cast(type[Any], kind)) if dataclasses.is_dataclass(kind) else {name}
+    return names
 
 
 def _flag_fields(config: ExperimentConfig) -> list[str]:
     return [one.name for one in dataclasses.fields(config) if one.name not in NOT_FLAGS]
 
 
-def _combined(
-    options: type[Any], base: ExperimentConfig, beside: Mapping[str, object]
-) -> type[Any]:
+def combined(options: type[Any], base: ExperimentConfig, beside: Mapping[str, object]) -> type[Any]:
     """Return one dataclass of a verb's options and of the configuration's fields."""
     told = attribute_docs(ExperimentConfig)
     fields: list[tuple[str, Any, Any]] = []

@@ -59,6 +59,9 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "initiations": "success after the initiation under many settings",
         "regimes": "where a curriculum helps, over a grid of two settings",
     },
+    "this command": {
+        "completion": "a script that lets a shell complete verbs and flags",
+    },
 }
 """Verbs by what they are for; each is a function in the module of its name."""
 CONFIGURED = ("reproduce", "compare", "config")
@@ -94,8 +97,8 @@ def _dispatch(given: list[str]) -> int:
         import tyro  # an extra: its absence is told in a sentence
 
         if verb in CONFIGURED:
-            return _function(verb)(given[1:])
-        return tyro.cli(_function(verb), prog=f"surmount {verb}", args=given[1:])
+            return function_of(verb)(given[1:])
+        return tyro.cli(function_of(verb), prog=f"surmount {verb}", args=given[1:])
     if verb in ("--help", "-h", "help"):
         print(_help())
         return 0
@@ -127,7 +130,8 @@ def _unknown(verb: str) -> ConfigError:
     )
 
 
-def _function(verb: str) -> Callable[..., int]:
+def function_of(verb: str) -> Callable[..., int]:
+    """Return the function of a verb."""
     return getattr(import_module(f"surmount.cli.{verb}"), verb)
 
 
