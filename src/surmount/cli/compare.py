@@ -54,6 +54,7 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
 
     from surmount.core.records import read_record
     from surmount.experiment.experiment import Experiment
+    from surmount.report.pages import write_report
     from surmount.report.teachers_page import write_teachers_report
 
     teaching: TeachersConfig = beside[TEACHING]
@@ -67,7 +68,7 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
         console.print("Stopped. The same command goes on.")
         return INTERRUPTED
     record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
-    experiment.report(films_too=False)
+    write_report(options.out)
     page = write_teachers_report(record, options.out)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
