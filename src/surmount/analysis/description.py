@@ -8,6 +8,7 @@ import numpy as np
 
 from surmount.analysis.features import describe_variant
 from surmount.core.arrays import FloatArray
+from surmount.core.axis import CONTINUOUS, Axes, Axis, full_axes
 from surmount.tasks.curriculum import Box, Curriculum
 
 _SHOWN_BOXES = 3
@@ -21,9 +22,9 @@ def describe_curriculum(curriculum: Curriculum) -> list[str]:
     rows = [
         [
             group.name,
-            describe_variants(group.variants),
+            describe_variants(group.variants, curriculum.axes),
             f"{group.success_rate:.1%}",
-            _describe_boxes(group.boxes),
+            _describe_boxes(group.boxes, curriculum.axes),
         ]
         for group in curriculum.groups
     ]
@@ -47,28 +48,34 @@ def describe_curriculum(curriculum: Curriculum) -> list[str]:
     return [*lines, *table_lines(["level", "for", *names], levels)]
 
 
-def describe_variants(variants: FloatArray) -> str:
-    """Return variants in few words: ``21–33 (13)``, or ``12 within 20–35 × 0.4–1``."""
+def describe_variants(variants: FloatArray, axes: Axes = ()) -> str:
+    """Return variants in few words: ``21–33 (13)``, or ``12 within 20–35 × 0.4–1``.
+
+    Categories are a set: ``flat, slope``, or ``12 within 20–35 × {flat, slope}``.
+    """
+    along = full_axes(axes, variants[0])
     if variants.shape[1] > 1:
         if variants.shape[0] <= _SHOWN_BOXES:
-            return ", ".join(describe_variant(variant) for variant in variants)
-        span = Box(lower=variants.min(axis=0), upper=variants.max(axis=0), weight=1.0)
-        return f"{variants.shape[0]} within {_describe_box(span)}"
-    values = variants[:, 0]
-    if values.size < _FEWEST:
-        return ", ".join(f"{value:g}" for value in values)
-    parts = [f"{run[0]:g}–{run[-1]:g}" if run.size > 1 else f"{run[0]:g}" for run in runs(values)]
+            return ", ".join(describe_variant(variant, along) for variant in variants)
+        return f"{variants.shape[0]} within {_describe_span(variants, along)}"
+    values, axis = variants[:, 0], along[0]
+    if values.size < _FEWEST or axis.categorical:
+        return ", ".join(axis.text(value) for value in values)
+    parts = [
+        f"{axis.text(run[0])}–{axis.text(run[-1])}" if run.size > 1 else axis.text(run[0])
+        for run in runs(values, axis)
+    ]
     return f"{', '.join(parts)} ({values.size})"
 
 
-def runs(values: FloatArray) -> list[FloatArray]:
+def runs(values: FloatArray, axis: Axis = CONTINUOUS) -> list[FloatArray]:
     """Split ascending values where the next is further away than the nearest neighbours are.
 
-    Of two values nothing is known of what lies between: each is a run.
+    Of two values nothing is known of what lies between: each is a run; so is each category.
     """
-    if values.size < _FEWEST:
+    if values.size < _FEWEST or axis.categorical:
         return [values[i : i + 1] for i in range(values.size)]
-    gaps = np.diff(values)
+    gaps = np.diff(axis.scale(values))
     return np.split(values, np.flatnonzero(gaps > 1.5 * gaps.min()) + 1)
 
 
@@ -83,20 +90,28 @@ def table_lines(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[st
     return [line(header), line(["-" * width for width in widths]), *(line(row) for row in rows)]
 
 
-def _describe_boxes(boxes: Sequence[Box]) -> str:
-    if len(boxes) <= _SHOWN_BOXES:
-        return ", ".join(_describe_box(box) for box in boxes)
-    lower = np.min([box.lower for box in boxes], axis=0)
-    upper = np.max([box.upper for box in boxes], axis=0)
-    return f"{len(boxes)} within {_describe_box(Box(lower=lower, upper=upper, weight=1.0))}"
+def _describe_boxes(boxes: Sequence[Box], axes: Axes) -> str:
+    if len(boxes) <= _SHOWN_BOXES or (len(axes) == 1 and axes[0].categorical):
+        return ", ".join(_describe_span(np.stack([box.lower, box.upper]), axes) for box in boxes)
+    ends = np.concatenate([[box.lower, box.upper] for box in boxes])
+    return f"{len(boxes)} within {_describe_span(ends, axes)}"
 
 
-def _describe_box(box: Box) -> str:
-    sides = [
-        f"{low:g}" if low == high else f"{low:g}–{high:g}"
-        for low, high in zip(box.lower, box.upper, strict=True)
-    ]
-    return " × ".join(sides)
+def _describe_span(points: FloatArray, axes: Axes) -> str:
+    """Return what points, shape ``(point, parameter)``, span along each axis."""
+    return " × ".join(
+        describe_side(axis, column) for axis, column in zip(axes, points.T, strict=True)
+    )
+
+
+def describe_side(axis: Axis, values: FloatArray) -> str:
+    """Return what values span along one axis: ``20–35``, ``flat`` or ``{flat, slope}``."""
+    distinct = np.unique(values)
+    if distinct.size == 1:
+        return axis.text(distinct[0])
+    if axis.categorical:
+        return f"{{{', '.join(axis.text(value) for value in distinct)}}}"
+    return f"{axis.text(distinct[0])}–{axis.text(distinct[-1])}"
 
 
 def counted(number: int, noun: str) -> str:

@@ -10,7 +10,6 @@ from surmount.analysis.component_count import BICCurve
 from surmount.analysis.cut import link_gaps
 from surmount.analysis.dendrogram import Dendrogram
 from surmount.analysis.description import describe_curriculum, describe_variants, table_lines
-from surmount.analysis.features import describe_variant
 from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.result import Analysis
 from surmount.analysis.stability import Stability
@@ -58,13 +57,13 @@ def _explain_trials(analysis: Analysis) -> Iterator[str]:
         )
     rows = [
         [
-            describe_variant(variant),
+            analysis.label(index),
             str(int(analysis.n_trials[index])),
             str(int(analysis.n_recorded[index])),
             f"{analysis.success_rate[index]:.1%}",
             analysis.groups[int(analysis.labels[index])].name,
         ]
-        for index, variant in enumerate(analysis.variants)
+        for index in range(len(analysis.variants))
     ]
     yield from table_lines(["variant", "trials", "steps", "success", "group"], rows)
 
@@ -73,7 +72,7 @@ def _explain_mixtures(analysis: Analysis) -> Iterator[str]:
     if analysis.bic is None:
         yield f"The number of components was given: {analysis.config.components}."
     else:
-        where = describe_variant(analysis.variants[analysis.bic_variant])
+        where = analysis.label(analysis.bic_variant)
         yield (
             f"The number of components was chosen on variant {where}, "
             f"{describe_bic_choice(analysis)}, by the BIC (eq. 3):"
@@ -170,8 +169,8 @@ def link_table(analysis: Analysis) -> tuple[list[str], list[list[str]]]:
     for link in range(dendrogram.links.shape[0]):
         left, right = dendrogram.children(link)
         row = [
-            describe_variants(analysis.variants[dendrogram.leaves(left)]),
-            describe_variants(analysis.variants[dendrogram.leaves(right)]),
+            describe_variants(analysis.variants[dendrogram.leaves(left)], analysis.axes),
+            describe_variants(analysis.variants[dendrogram.leaves(right)], analysis.axes),
             f"{dendrogram.heights[link]:.3f}",
             f"{analysis.inconsistency[link]:.2f}",
             f"{analysis.inconsistency_depth_2[link]:.2f}",
@@ -224,8 +223,8 @@ def _explain_merges(analysis: Analysis) -> Iterator[str]:
     if not analysis.merges:
         yield "No group was small enough to be merged into its neighbour."
     for merge in analysis.merges:
-        small = describe_variants(analysis.variants[list(merge.members)])
-        into = describe_variants(analysis.variants[list(merge.into)])
+        small = describe_variants(analysis.variants[list(merge.members)], analysis.axes)
+        into = describe_variants(analysis.variants[list(merge.into)], analysis.axes)
         yield (
             f"{small} has at most {merge.limit} variants and was merged into {into}, its nearest "
             f"neighbour in the dendrogram (joined at height {merge.height:.3f})."
@@ -263,13 +262,13 @@ def _explain_stability(analysis: Analysis) -> Iterator[str]:
         )
     ]
     yield from table_lines(["group", "variants", "together", "apart"], rows)
-    if analysis.variants.shape[1] == 1:
+    if analysis.in_a_row:
         yield from _explain_boundaries(analysis, stability)
 
 
 def _explain_boundaries(analysis: Analysis, stability: Stability) -> Iterator[str]:
     for left in np.flatnonzero((np.diff(analysis.labels) != 0) | (stability.boundaries > 0.05)):
-        low, high = (describe_variant(analysis.variants[i]) for i in (left, left + 1))
+        low, high = (analysis.label(i) for i in (left, left + 1))
         here = "a boundary" if analysis.labels[left] != analysis.labels[left + 1] else "none"
         yield (
             f"Between {low} and {high}: {here} here, a boundary in "

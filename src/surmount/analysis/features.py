@@ -10,6 +10,7 @@ import numpy as np
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.fitting import Scaling, scaling_of
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.axis import Axes, full_axes, variant_text
 from surmount.core.errors import InputError
 from surmount.trials.trials import Trials
 
@@ -103,7 +104,7 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
     variants, index = trials.variants()
     if variants.shape[0] < 2:
         raise InputError(
-            f"The trials hold one variant only ({describe_variant(variants[0])}).",
+            f"The trials hold one variant only ({describe_variant(variants[0], trials.axes)}).",
             remedy="Record trials on at least two variants of the task: groups need a choice.",
         )
     if not np.isfinite(variants).all():
@@ -130,8 +131,9 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
         own = z[rows]
         if own.shape[0] < config.min_samples_per_component:
             raise InputError(
-                f"Variant {describe_variant(variants[variant])} has {own.shape[0]} samples, fewer "
-                f"than the {config.min_samples_per_component} that one component needs.",
+                f"Variant {describe_variant(variants[variant], trials.axes)} has {own.shape[0]} "
+                f"samples, fewer than the {config.min_samples_per_component} that one component "
+                "needs.",
                 remedy="Record more trials on it, drop the variant, or lower "
                 "`min_samples_per_component`.",
             )
@@ -151,10 +153,12 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
     )
 
 
-def describe_variant(variant: FloatArray | Sequence[float]) -> str:
-    """Return a variant as people write it: ``180`` or ``(180, 0.7)``."""
-    parts = [f"{value:g}" for value in np.atleast_1d(np.asarray(variant))]
-    return parts[0] if len(parts) == 1 else f"({', '.join(parts)})"
+def describe_variant(variant: FloatArray | Sequence[float], axes: Axes = ()) -> str:
+    """Return a variant as people write it: ``180``, ``flat`` or ``(180, 0.7)``."""
+    values = np.atleast_1d(np.asarray(variant))
+    along = full_axes(axes, values)
+    text = variant_text(along, values)
+    return text if len(along) == 1 else f"({text})"
 
 
 def _thinned(trials: Trials, stride: IntArray) -> BoolArray:

@@ -14,7 +14,7 @@ from surmount.analysis.component_count import BICCurve
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.cut import Cut
 from surmount.analysis.dendrogram import Dendrogram
-from surmount.analysis.features import FeatureMap
+from surmount.analysis.features import FeatureMap, describe_variant
 from surmount.analysis.groups import Merge
 from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
@@ -22,6 +22,7 @@ from surmount.analysis.result_reading import KIND, SCHEMA, read_fields
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.axis import Axes
 from surmount.core.configuration import to_record as config_to_record
 from surmount.core.records import read_record, write_record
 from surmount.tasks.curriculum import Curriculum, Group
@@ -119,6 +120,25 @@ class Analysis:
     def groups(self) -> tuple[Group, ...]:
         """Groups from easy to difficult."""
         return self.curriculum.groups
+
+    @property
+    def axes(self) -> Axes:
+        """One per task parameter."""
+        return self.curriculum.axes
+
+    @property
+    def in_a_row(self) -> bool:
+        """Whether variants have neighbours: one task parameter, and no categories."""
+        return len(self.parameters) == 1 and not self.axes[0].categorical
+
+    def label(self, index: int | np.integer) -> str:
+        """Return a variant as people write it: ``180``, ``flat`` or ``(180, 0.7)``."""
+        return describe_variant(self.variants[index], self.axes)
+
+    @property
+    def labels_of_variants(self) -> list[str]:
+        """All variants as people write them."""
+        return [self.label(index) for index in range(len(self.variants))]
 
     @property
     def dendrogram(self) -> Dendrogram:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from surmount.analysis.description import counted
-from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
 from surmount.analysis.sensitivity import NETWORKS
 from surmount.analysis.stability import Stability
@@ -49,11 +48,11 @@ def unstable_parts(analysis: Analysis, stability: Stability) -> list[str]:
             f"The number of groups is not stable: with trials drawn again it was {listed} of "
             f"{replicates}."
         )
-    if analysis.variants.shape[1] == 1:
+    if analysis.in_a_row:
         for left in np.flatnonzero(np.diff(labels) != 0):
             share = stability.boundaries[left]
             if share < threshold:
-                low, high = (describe_variant(analysis.variants[i]) for i in (left, left + 1))
+                low, high = (analysis.label(i) for i in (left, left + 1))
                 found.append(
                     f"The boundary between {low} and {high} is not stable: it appeared in "
                     f"{share:.0%} of {replicates}."

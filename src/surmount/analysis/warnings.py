@@ -10,7 +10,6 @@ import numpy as np
 from scipy.stats import fisher_exact
 
 from surmount.analysis.description import describe_variants
-from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
 from surmount.analysis.trust import unstable_parts
 
@@ -44,7 +43,7 @@ def _about_data(analysis: Analysis) -> list[str]:
         )
     few = np.flatnonzero(analysis.n_trials < _FEW_TRIALS)
     if few.size:
-        names = ", ".join(describe_variant(analysis.variants[i]) for i in few)
+        names = ", ".join(analysis.label(i) for i in few)
         found.append(
             f"Fewer than {_FEW_TRIALS} trials on {few.size} of {analysis.variants.shape[0]} "
             f"variants ({names}): their success rates are rough."
@@ -84,7 +83,8 @@ def _about_groups(analysis: Analysis) -> list[str]:
     found: list[str] = []
     if len(analysis.groups) == 1 and analysis.merges:
         small = "; ".join(
-            describe_variants(analysis.variants[list(merge.members)]) for merge in analysis.merges
+            describe_variants(analysis.variants[list(merge.members)], analysis.axes)
+            for merge in analysis.merges
         )
         found.append(
             f"Behaviour changes abruptly, but only around groups of at most "

@@ -14,6 +14,9 @@ def analyze(
     trials: Annotated[Path, tyro.conf.Positional],
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    logarithmic: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = (),
+    integer: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = (),
+    categorical: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = (),
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
 ) -> int:
@@ -26,6 +29,9 @@ def analyze(
         trials: Long table, Parquet or CSV: variant, network, trial, success, then one column per
             feature, one row per time step.
         out: Folder for the results.
+        logarithmic: Task parameters that are even in their logarithm.
+        integer: Task parameters that are whole numbers.
+        categorical: Task parameters whose numbers are names; text always is.
         config: TOML or JSON file of analysis options to change, such as linkage = "complete".
         set: Analysis option to change, as key=value; may be repeated; overrides the file.
     """
@@ -33,6 +39,7 @@ def analyze(
     from surmount.analysis.description import describe_curriculum
     from surmount.analysis.determination import determine_curriculum
     from surmount.analysis.trust import describe_trust
+    from surmount.core.axis import AxisKind
     from surmount.core.configuration import override
     from surmount.report.pages import write_analysis_report
     from surmount.trials.table import read_trials
@@ -43,6 +50,12 @@ def analyze(
     table = read_trials(
         trials, minimum_variants=2, minimum_samples=chosen.min_samples_per_component
     )
+    declared: dict[str, AxisKind] = {
+        **dict.fromkeys(logarithmic, "logarithmic"),
+        **dict.fromkeys(integer, "integer"),
+        **dict.fromkeys(categorical, "categorical"),
+    }
+    table = table.declared(declared)
     with sole_user(out), output_errors(out):
         analysis = determine_curriculum(table, chosen)
         analysis.save(out / ANALYSIS_FILE)

@@ -14,7 +14,7 @@ def evaluate(
     network: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="NETWORK.safetensors")],
     *,
     task: Annotated[str | None, tyro.conf.arg(metavar="TASK")] = None,
-    variant: Annotated[tuple[float, ...], tyro.conf.arg(metavar="VALUE ...")] = (),
+    variant: Annotated[tuple[str, ...], tyro.conf.arg(metavar="VALUE ...")] = (),
     repetitions: int = 30,
     seed: int = 0,
     deterministic: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
@@ -27,8 +27,8 @@ def evaluate(
     Args:
         network: The network of a run, or a published one.
         task: Task of a network that does not tell what it was trained on.
-        variant: Values of the task parameter, one variant each; with several parameters, one value
-            for each in turn. All variants of the task if left out.
+        variant: Values of the task parameter, or names, one variant each; with several parameters,
+            one value for each in turn. All variants of the task if left out.
         repetitions: Trials of each variant.
         seed: Seed of the actions that the policy draws.
         deterministic: Act by the policy's mean instead of drawing actions.

@@ -28,7 +28,7 @@ def success_table(evaluation: Evaluation) -> Table:
         table.add_column(heading, justify="right")
     for index, variant in enumerate(variants):
         table.add_row(
-            *(f"{value:g}" for value in variant),
+            *(axis.text(value) for axis, value in zip(trials.axes, variant, strict=True)),
             f"{won[index]} / {tried[index]}",
             f"{interval.proportions[index]:.2f}",
             f"{interval.lower[index]:.2f} to {interval.upper[index]:.2f}",

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from surmount.analysis.description import describe_side
 from surmount.core.records import read_record
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_folder import open_run
@@ -39,10 +40,10 @@ def print_summary(console: Console, root: Path) -> None:
     )
     for group, initial, compared in rows:
         span = ", ".join(
-            f"{low:g} to {high:g}"
-            for low, high in zip(
-                group.variants.min(axis=0), group.variants.max(axis=0), strict=True
-            )
+            describe_side(axis, values)
+            if axis.categorical
+            else f"{axis.text(values.min())} to {axis.text(values.max())}"
+            for axis, values in zip(curriculum.axes, group.variants.T, strict=True)
         )
         span += f" ({len(group.variants)})"
         table.add_row(

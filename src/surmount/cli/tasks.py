@@ -48,6 +48,8 @@ def _listed(name: str, family: TaskFamily) -> Iterator[str]:
 
 
 def _described(family: TaskFamily) -> Iterator[str]:
+    from surmount.analysis.features import describe_variant
+
     settings = family.settings()
     space = family.space(settings)
     yield f"{family.name}: {family.title}"
@@ -55,7 +57,9 @@ def _described(family: TaskFamily) -> Iterator[str]:
     yield from _wrapped(f"initiation at the paper's scale: {family.initial_steps:,} learning steps")
     yield ""
     yield "variants"
-    yield from _wrapped(", ".join(space.text(variant) for variant in space.variants))
+    yield from _wrapped(
+        ", ".join(describe_variant(variant, space.axes) for variant in space.variants)
+    )
     yield ""
     keys = dotted_keys(family.settings)
     record = to_record(settings)

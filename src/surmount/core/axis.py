@@ -9,7 +9,7 @@ through that scale, so that nobody who uses an axis asks of which kind it is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass
 from typing import Any, Literal, Self, cast, get_args
 
@@ -82,7 +82,7 @@ class Axis:
     def sides(self, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return where ranges of values begin and end on the scale, shapes as given."""
         half = 0.5 if self.discrete else 0.0
-        return self._scale(lower) - half, self._scale(upper) + half
+        return self.scale(lower) - half, self.scale(upper) + half
 
     def place(self, values: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
         """Return the unit coordinates of values within ranges: 0 at the lower end, 1 at the upper.
@@ -90,7 +90,7 @@ class Axis:
         A whole number or a category has the middle of the unit that it takes.
         """
         low, high = self.sides(lower, upper)
-        return (self._scale(values) - low) / np.where(high > low, high - low, 1.0)
+        return (self.scale(values) - low) / np.where(high > low, high - low, 1.0)
 
     def at(self, place: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
         """Return the values at unit coordinates within ranges; the reverse of :meth:`place`.
@@ -123,7 +123,7 @@ class Axis:
         """
         if self.categorical:
             return values, values
-        scaled = self._scale(values)
+        scaled = self.scale(values)
         below, above = self._split(0.5 * (scaled[1:] + scaled[:-1]))
         return np.concatenate([values[:1], above]), np.concatenate([below, values[-1:]])
 
@@ -134,18 +134,18 @@ class Axis:
         """
         if self.categorical:
             return values, values
-        scaled = self._scale(values)
+        scaled = self.scale(values)
         return self._split(scaled - reach)[1], self._split(scaled + reach)[0]
 
     def apart(self, first: FloatArray, second: FloatArray, extent: float) -> FloatArray:
         """Return how far values lie apart, in units of :meth:`extent`; two categories, one unit."""
         if self.categorical:
             return np.asarray(first != second, dtype=np.float64)
-        return np.abs(self._scale(first) - self._scale(second)) / extent
+        return np.abs(self.scale(first) - self.scale(second)) / extent
 
     def extent(self, values: FloatArray) -> float:
         """Return the distance of the outermost values on the scale; 1 where they are one."""
-        span = float(np.ptp(self._scale(values)))
+        span = float(np.ptp(self.scale(values)))
         return span if span > 0 else 1.0
 
     def rank(self, values: FloatArray) -> FloatArray:
@@ -153,7 +153,7 @@ class Axis:
 
         Categories are ranked in the order of their names.
         """
-        scaled = self._scale(values)
+        scaled = self.scale(values)
         return (scaled - scaled.min()) / self.extent(values)
 
     @property
@@ -168,10 +168,11 @@ class Axis:
         """
         if self.categorical:
             return [1.0 if place == round(value) else -1.0 for place in range(len(self.names))]
-        low, here, high = self._scale(np.array([lower, value, upper], dtype=np.float64)).tolist()
+        low, here, high = self.scale(np.array([lower, value, upper], dtype=np.float64)).tolist()
         return [2.0 * (here - low) / (high - low if high > low else 1.0) - 1.0]
 
-    def _scale(self, values: FloatArray) -> FloatArray:
+    def scale(self, values: FloatArray) -> FloatArray:
+        """Return where values lie on the scale on which the axis is even, shape as given."""
         return np.log(values) if self.kind == "logarithmic" else values
 
     def _split(self, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -245,7 +246,7 @@ CONTINUOUS = Axis()
 Axes = tuple[Axis, ...]
 
 
-def full_axes(axes: Axes, parameters: Sequence[str]) -> Axes:
+def full_axes(axes: Axes, parameters: Sized) -> Axes:
     """Return one axis per parameter: as given, or all continuous where none are.
 
     Raises

@@ -47,7 +47,7 @@ def evaluate_network(
     config: RolloutConfig,
     *,
     task: str | None = None,
-    variants: Sequence[float] = (),
+    variants: Sequence[float | str] = (),
     changes: Mapping[str, Any] = NO_CHANGES,
     seed: int,
     monitor: Monitor,
@@ -63,8 +63,8 @@ def evaluate_network(
     task
         Family of tasks of a network that does not tell what it was trained on.
     variants
-        Tasks in the parameters' units, with several parameters one value for each in turn; all
-        variants of the family if none are given.
+        Tasks in the parameters' units, categories by their names; with several parameters one
+        value for each in turn; all variants of the family if none are given.
     changes
         Overrides of the configuration, by dotted keys.
     seed
@@ -96,7 +96,7 @@ def evaluate_network(
     return Evaluation(task=family.name, space=space, cap_s=family.cap_s(settings), trials=trials)
 
 
-def _within(space: TaskSpace, values: Sequence[float]) -> FloatArray:
+def _within(space: TaskSpace, values: Sequence[float | str]) -> FloatArray:
     """Return chosen tasks, each once, if they lie within the range."""
     count = len(space.parameters)
     if len(values) % count:
@@ -104,7 +104,8 @@ def _within(space: TaskSpace, values: Sequence[float]) -> FloatArray:
             f"A variant has one value for each of {', '.join(space.parameters)}.",
             remedy=f"Give a multiple of {count} values.",
         )
-    tasks = np.asarray(values, dtype=np.float64).reshape(-1, count)
+    rows = [values[start : start + count] for start in range(0, len(values), count)]
+    tasks = np.stack([space.task(row) for row in rows])
     outside = ~((tasks >= space.lower) & (tasks <= space.upper))
     if outside.any():
         task, parameter = np.argwhere(outside)[0]

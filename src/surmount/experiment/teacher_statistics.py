@@ -8,6 +8,7 @@ import numpy as np
 
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.axis import axes_to_record
 from surmount.core.records import write_record
 from surmount.experiment.learning_speed import WINDOW, steps_to_95
 from surmount.experiment.stages import pooled_trials
@@ -45,12 +46,14 @@ def compare_teachers(context: StageContext) -> None:
     scores = {name: success_matrix(pooled_trials(context.inputs[f"test:{name}"]))
               for name in names}  # fmt: skip
     groups = curriculum.groups_of(analysis.variants)
-    cells = TaskCells(analysis.parameters, analysis.variants)
+    cells = TaskCells(analysis.parameters, analysis.variants, analysis.axes)
+    axes = axes_to_record(analysis.axes, analysis.parameters)
     write_record(
         context.output / COMPARISON_FILE,
         {
             "schema": SCHEMA,
             "parameters": list(analysis.parameters),
+            **({"axes": axes} if axes else {}),
             "variants": analysis.variants.tolist(),
             "groups": [group.name for group in curriculum.groups],
             "group_of_variant": groups.tolist(),

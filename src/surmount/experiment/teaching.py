@@ -19,7 +19,7 @@ from surmount.experiment.trial_stages import trial_stages
 from surmount.teachers.catalogue import (
     SETTINGS,
     TeachersConfig,
-    find_teacher,
+    require_fit,
 )
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_layout import (
@@ -64,8 +64,9 @@ def comparison_graph(
         Their settings.
     """
     names = tuple(dict.fromkeys([*OWN_ARMS, *teachers]))
+    space = config.family.space(config.env)
     for name in names:
-        find_teacher(name)
+        require_fit(name, space)
     graph = protocol(config)
     for name in names:
         if name not in OWN_ARMS:

@@ -8,9 +8,11 @@ import json
 from collections.abc import Callable
 from importlib import resources
 
+from surmount.core.axis import axes_to_record, values_of
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
 from surmount.exports.export import Export, require_levels
+from surmount.exports.kinds import notes_on_kinds, other_axes
 from surmount.exports.ml_agents import export_ml_agents
 from surmount.tasks.curriculum import Curriculum
 
@@ -21,14 +23,20 @@ _EQ5 = (
 
 
 def export_table(curriculum: Curriculum) -> Export:
-    """Return one row per level and box, with the probability and the bounds."""
+    """Return one row per level and box, with the probability and the bounds.
+
+    Categories stand by their names, and each parameter that is not continuous has its kind in a
+    column.
+    """
     require_levels(curriculum)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    names = curriculum.parameters
+    names, axes = curriculum.parameters, curriculum.axes
+    others = other_axes(curriculum)
+    kinds = [axis.kind for axis in others.values()]
     writer.writerow(
         ["level", "dominant", "group", "weight", *(f"{name}_lower" for name in names),
-         *(f"{name}_upper" for name in names)]
+         *(f"{name}_upper" for name in names), *(f"{name}_kind" for name in others)]
     )  # fmt: skip
     for number, level in enumerate(curriculum.levels, 1):
         for group, weight in zip(curriculum.groups, level.weights, strict=True):
@@ -37,12 +45,15 @@ def export_table(curriculum: Curriculum) -> Export:
                 if weight * box.weight > 0:
                     share = weight * box.weight / total
                     writer.writerow(
-                        [number, level.dominant, group.name, share, *box.lower.tolist(),
-                         *box.upper.tolist()]
+                        [number, level.dominant, group.name, share,
+                         *values_of(axes, box.lower), *values_of(axes, box.upper), *kinds]
                     )  # fmt: skip
     return Export(
         files={"curriculum.csv": text.getvalue()},
-        notes=("A table holds levels, weights and bounds, not when to go on to the next level.",),
+        notes=(
+            "A table holds levels, weights and bounds, not when to go on to the next level.",
+            *notes_on_kinds(curriculum),
+        ),
     )
 
 
@@ -63,7 +74,7 @@ def export_syllabus(curriculum: Curriculum) -> Export:
         files={"curriculum_syllabus.py": _filled("syllabus_curriculum.txt", curriculum)},
         notes=(
             "curriculum_syllabus.py needs Syllabus, not Surmount.",
-            "Its tasks are indices of boxes: draw each parameter uniformly within the bounds.",
+            "Its tasks are indices of boxes: `task_between` draws within the bounds of one.",
             "Syllabus tells of episodes, not of steps: the lengths of eq. 5 are in episodes there.",
         ),
     )
@@ -113,4 +124,7 @@ def _filled(template: str, curriculum: Curriculum) -> str:
     )
     text = resources.files("surmount.exports").joinpath(template).read_text(encoding="utf-8")
     names = json.dumps(list(curriculum.parameters))
-    return text.replace("__PARAMETERS__", names).replace("__LEVELS__", boxes)
+    axes = json.dumps(axes_to_record(curriculum.axes, curriculum.parameters))
+    return (
+        text.replace("__PARAMETERS__", names).replace("__AXES__", axes).replace("__LEVELS__", boxes)
+    )

@@ -14,8 +14,10 @@ import json
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.axis import values_of
 from surmount.core.errors import InputError
 from surmount.exports.export import Export, require_levels
+from surmount.exports.kinds import notes_on_kinds
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
 
@@ -61,8 +63,7 @@ def export_ml_agents(
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
     files: dict[str, str] = {}
     if len(curriculum.parameters) == 1:
-        name = _sendable(curriculum.parameters[0])
-        step = _grid_step(curriculum)
+        name, levels, step = _sent(curriculum, levels, notes)
         levels = [_widened(level, step, notes) for level in levels]
     else:
         name = INDEX
@@ -73,6 +74,7 @@ def export_ml_agents(
             f"draw can be the upper bound itself), look the row up in {INDEX}.csv, and draw each "
             "parameter uniformly between the row's bounds."
         )
+        notes += notes_on_kinds(curriculum)
     key = _quoted(name)
     lessons = ["environment_parameters:", f"  {key}:", "    curriculum:"]
     for number, level in enumerate(levels, 1):
@@ -142,9 +144,39 @@ def interval_counts(weights: FloatArray, lengths: FloatArray) -> tuple[IntArray,
     return best, least
 
 
-def _grid_step(curriculum: Curriculum) -> float:
+def _sent(
+    curriculum: Curriculum, levels: list[TaskDistribution], notes: list[str]
+) -> tuple[str, list[TaskDistribution], float]:
+    """Return what is sent for the only parameter: its name, the levels, the variants' distance.
+
+    ML-Agents draws evenly: a logarithmic parameter is sent as its logarithm, and a whole number or
+    a category as what rounds down to it.
+    """
+    name, (axis,) = _sendable(curriculum.parameters[0]), curriculum.axes
     variants = np.unique(np.concatenate([group.variants[:, 0] for group in curriculum.groups]))
-    return float(np.diff(variants).min()) if variants.size > 1 else 1.0
+
+    def moved(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if axis.kind == "logarithmic":
+            return np.log10(low), np.log10(high)
+        return (low, high + 1.0) if axis.discrete else (low, high)
+
+    if axis.kind == "logarithmic":
+        notes.append(f"`log10_{name}` is the logarithm of `{name}`; in C#, raise 10 to it.")
+        name, variants = f"log10_{name}", np.log10(variants)
+    elif axis.discrete:
+        numbered = ", ".join(f"{place} {one}" for place, one in enumerate(axis.names))
+        highest = len(axis.names) - 1 if axis.categorical else round(variants.max())
+        notes.append(
+            f"`{name}` is {f'a category ({numbered})' if numbered else 'a whole number'}; in C#, "
+            f"floor it, and clamp it to {highest}."
+        )
+    sent: list[TaskDistribution] = []
+    for level in levels:
+        lower, upper = moved(level.lower, level.upper)
+        sent.append(
+            TaskDistribution(parameters=(name,), weights=level.weights, lower=lower, upper=upper)
+        )
+    return name, sent, float(np.diff(variants).min()) if variants.size > 1 else 1.0
 
 
 def _widened(level: TaskDistribution, step: float, notes: list[str]) -> TaskDistribution:
@@ -174,12 +206,15 @@ def _indexed(levels: list[TaskDistribution]) -> tuple[list[TaskDistribution], st
         for bounds in np.column_stack([level.lower, level.upper]).tolist():
             boxes.setdefault(tuple(bounds), len(boxes))
     names = levels[0].parameters
+    axes = levels[0].axes * 2
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(
         [INDEX, *(f"{name}_lower" for name in names), *(f"{name}_upper" for name in names)]
     )
-    writer.writerows([index, *bounds] for bounds, index in boxes.items())
+    writer.writerows(
+        [index, *values_of(axes, np.asarray(bounds))] for bounds, index in boxes.items()
+    )
     indexed: list[TaskDistribution] = []
     for level in levels:
         bounds = np.column_stack([level.lower, level.upper]).tolist()

@@ -10,6 +10,8 @@ import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
+from surmount.analysis.features import describe_variant
+from surmount.core.axis import axes_from_record
 from surmount.report.document.parts import (
     Block,
     Column,
@@ -29,7 +31,6 @@ from surmount.report.document.text import (
     percent_interval,
     reached,
     signed,
-    variant_label,
 )
 from surmount.report.figures.palette import INK, SEQUENTIAL
 from surmount.report.figures.plots import compact, plain, plot
@@ -285,7 +286,8 @@ def _score_figure(record: Record) -> Figure:
 
 
 def _sampled_figure(record: Record) -> Figure:
-    labels = [variant_label(variant) for variant in record["variants"]]
+    axes = axes_from_record(record.get("axes", {}), record["parameters"])
+    labels = [describe_variant(variant, axes) for variant in record["variants"]]
     shares = {teacher["title"]: _shares(teacher["sampled"]) for teacher in record["teachers"]}
     top = max(float(np.nanmax(share)) if np.isfinite(share).any() else 1.0
               for share in shares.values())  # fmt: skip

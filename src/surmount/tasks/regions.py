@@ -9,9 +9,9 @@ from typing import Self
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.axis import Axes
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.unit_box import box_sides
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,9 +69,9 @@ class Regions:
         owner = self.index(distribution.lower[point])
         np.add.at(shares, owner[owner >= 0], distribution.weights[point][owner >= 0])
         spread = ~point
-        boxes = _sides(axes, distribution.lower[spread], distribution.upper[spread])
+        boxes = box_sides(axes, distribution.lower[spread], distribution.upper[spread])
         for region in range(len(self.names)):
-            sides = _sides(axes, self.lower[region], self.upper[region])
+            sides = box_sides(axes, self.lower[region], self.upper[region])
             for lower, upper in zip(*sides, strict=True):
                 overlap = _overlap(*boxes, lower, upper)
                 shares[region] += float(distribution.weights[spread] @ overlap)
@@ -93,13 +93,6 @@ def success_by_region(
         float(outcome[owner == region].mean()) if (owner == region).any() else None
         for region in range(len(regions.names))
     ]
-
-
-def _sides(axes: Axes, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return bounds of boxes on the scales of their axes, each of shape ``(box, parameter)``."""
-    sides = [axis.sides(lower[:, k], upper[:, k]) for k, axis in enumerate(axes)]
-    low, high = zip(*sides, strict=True)
-    return np.stack(low, axis=1), np.stack(high, axis=1)
 
 
 def _overlap(

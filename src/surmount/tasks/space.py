@@ -173,7 +173,8 @@ class TaskSpace:
         Parameters
         ----------
         values
-            Numbers, and categories by their names or by their places among them.
+            Numbers, or text that is one, and categories by their names or by their places among
+            them.
 
         Raises
         ------
@@ -187,7 +188,9 @@ class TaskSpace:
             )
         task = np.array(
             [
-                axis.stored(value) if isinstance(value, str) else _number(value)
+                axis.stored(value)
+                if axis.categorical and isinstance(value, str)
+                else _number(value)
                 for axis, value in zip(self.axes, values, strict=True)
             ]
         )

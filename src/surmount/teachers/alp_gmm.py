@@ -15,6 +15,7 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import derive_seed, generator
 from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.unit_box import UnitBox, require_distances
 from surmount.teachers.adaptive import AdaptiveTeacher
 from surmount.teachers.base import EndedEpisode
 from surmount.teachers.points import points_within
@@ -64,7 +65,8 @@ class AlpGmmTeacher(AdaptiveTeacher):
     Parameters
     ----------
     whole_range
-        The range of tasks; uniform tasks are drawn from it.
+        The range of tasks; uniform tasks are drawn from it. Gaussians lie on the scale of its
+        axes; categories have no distances and are refused.
     total_steps, seed
         As in :class:`~surmount.teachers.adaptive.AdaptiveTeacher`.
     config
@@ -79,14 +81,14 @@ class AlpGmmTeacher(AdaptiveTeacher):
         seed: int,
         config: AlpGmmConfig,
     ) -> None:
+        require_distances(whole_range.axes, whole_range.parameters, "ALP-GMM")
         super().__init__(
             label="ALP-GMM", tasks=whole_range.to_record(), total_steps=total_steps, seed=seed
         )
         self._whole = whole_range
-        self._low = whole_range.lower.min(axis=0)
-        self._extent = np.maximum(whole_range.upper.max(axis=0) - self._low, 1e-12)
+        self._box = UnitBox(whole_range)
         self._config = config
-        self._tasks: FloatArray = np.empty((0, self._extent.size))
+        self._tasks: FloatArray = np.empty((0, self._box.size))
         self._returns: list[float] = []
         self._progress: list[float] = []
         self._mixture: Mixture | None = None
@@ -100,11 +102,11 @@ class AlpGmmTeacher(AdaptiveTeacher):
 
         def draw(size: int) -> FloatArray:
             chosen = rng.choice(weights.size, size=size, p=weights)
-            noise = rng.standard_normal((size, self._extent.size))
+            noise = rng.standard_normal((size, self._box.size))
             means, factors = parts
             return means[chosen] + np.einsum("nij,nj->ni", factors[chosen], noise)
 
-        points = self._low + self._extent * points_within(draw, self._config.points, rng)
+        points = self._box.tasks(points_within(draw, self._config.points, rng))
         share = self._config.uniform_share
         drawn = np.full(len(points), (1.0 - share) / len(points))
         return TaskDistribution(
@@ -112,11 +114,12 @@ class AlpGmmTeacher(AdaptiveTeacher):
             weights=np.concatenate([share * self._whole.weights, drawn]),
             lower=np.concatenate([self._whole.lower, points]),
             upper=np.concatenate([self._whole.upper, points]),
+            axes=self._whole.axes,
         )
 
     def take(self, episode: EndedEpisode) -> None:
         """Compute the episode's progress, and fit anew every N episodes."""
-        place = (episode.task - self._low) / self._extent
+        place = self._box.places(episode.task[None])[0]
         if self._returns:
             distance = np.square(self._tasks - place).sum(axis=1)
             before = self._returns[int(distance.argmin())]
@@ -157,7 +160,7 @@ class AlpGmmTeacher(AdaptiveTeacher):
         }
 
     def _load(self, state: Mapping[str, Any]) -> None:
-        self._tasks = np.asarray(state["tasks"], dtype=np.float64).reshape(-1, self._extent.size)
+        self._tasks = np.asarray(state["tasks"], dtype=np.float64).reshape(-1, self._box.size)
         self._returns = [float(value) for value in state["returns"]]
         self._progress = [float(value) for value in state["progress"]]
         mixture = state["mixture"]

@@ -14,6 +14,8 @@ from surmount.core.seeds import derive_seed
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.space import TaskSpace
+from surmount.tasks.unit_box import require_distances
 from surmount.teachers import ablations
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
@@ -69,7 +71,8 @@ class TeacherContext:
     whole_range
         Uniform over the range of the task parameters.
     harder
-        For each parameter 1 where larger values are harder, −1 where smaller ones are.
+        For each parameter 1 where larger values, or later categories, are harder, −1 where smaller
+        ones are.
     total_steps
         Learning steps, the same for all.
     seed
@@ -100,7 +103,7 @@ class TeacherContext:
     @property
     def cells(self) -> TaskCells:
         """One cell per variant."""
-        return TaskCells(self.curriculum.parameters, self.variants)
+        return TaskCells(self.curriculum.parameters, self.variants, self.curriculum.axes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,11 +118,44 @@ class Entry:
         Where it is from.
     make
         Makes it.
+    method
+        What it needs, in the words of a refusal, of a space with categories: nothing where empty.
+    ordered
+        Whether it orders tasks by their parameters, so that somebody must say of categories which
+        is harder.
     """
 
     title: str
     source: str
     make: Callable[[TeacherContext], Teacher]
+    method: str = ""
+    ordered: bool = False
+
+
+def require_fit(name: str, space: TaskSpace) -> None:
+    """Refuse a teacher that cannot do with a space of tasks, before anything is trained.
+
+    Raises
+    ------
+    ConfigError
+        If there is none of this name, or its method makes no sense on an axis.
+    """
+    entry = find_teacher(name)
+    if entry.method:
+        require_distances(space.axes, space.parameters, entry.method)
+    if entry.ordered and space.harder is None:
+        named = [
+            parameter
+            for parameter, axis in zip(space.parameters, space.axes, strict=True)
+            if axis.categorical
+        ]
+        if named:
+            raise ConfigError(
+                f"`{name}` orders tasks by their parameters, and nobody says which category of "
+                f"`{named[0]}` is harder.",
+                remedy="Give the categories from easy to hard, and `harder` in the task space; or "
+                "choose another teacher.",
+            )
 
 
 def make_teacher(name: str, context: TeacherContext) -> Teacher:
@@ -217,6 +253,7 @@ TEACHERS = {
         title="easy to hard by the parameter",
         source="a designer's guess, with the paper's levels and test",
         make=_easy_to_hard,
+        ordered=True,
     ),
     "random-order": Entry(
         title="groups in random order", source=f"ablation of {_PAPER}", make=_random_order
@@ -242,6 +279,7 @@ TEACHERS = {
         make=lambda of: PromotionTeacher(
             of.cells, of.harder, learners=of.environments, **of.budget
         ),
+        ordered=True,
     ),
     "learning-progress": Entry(
         title="learning progress",
@@ -259,12 +297,18 @@ TEACHERS = {
         title="ALP-GMM",
         source="Portelas et al. 2019",
         make=lambda of: AlpGmmTeacher(of.whole_range, config=of.teachers.alp_gmm, **of.budget),
+        method="ALP-GMM",
     ),
     "plr": Entry(
         title="prioritised level replay",
         source="Jiang et al. 2021",
         make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
     ),
-    "spdl": Entry(title="self-paced", source="Klink et al. 2020, 2021", make=_spdl),
+    "spdl": Entry(
+        title="self-paced",
+        source="Klink et al. 2020, 2021",
+        make=_spdl,
+        method="Self-paced learning",
+    ),
 }
 """By the name that the command line takes."""

@@ -12,6 +12,7 @@ from surmount.core.arrays import FloatArray
 from surmount.core.errors import ConfigError
 from surmount.core.seeds import generator
 from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.unit_box import UnitBox, require_distances
 from surmount.teachers.adaptive import AdaptiveTeacher
 from surmount.teachers.base import EndedEpisode
 from surmount.teachers.points import points_within
@@ -69,6 +70,7 @@ class SelfPacedTeacher(AdaptiveTeacher):
     ----------
     whole_range
         The range of tasks. The target has the mean and deviation of the uniform distribution on it.
+        Gaussians lie on the scale of its axes; categories have no distances and are refused.
     begin
         Distribution to begin with, for example that of the easy group: its mean and deviation
         count.
@@ -87,6 +89,7 @@ class SelfPacedTeacher(AdaptiveTeacher):
         seed: int,
         config: SelfPacedConfig,
     ) -> None:
+        require_distances(whole_range.axes, whole_range.parameters, "Self-paced learning")
         super().__init__(
             label="self-paced",
             tasks=[whole_range.to_record(), begin.to_record()],
@@ -95,8 +98,8 @@ class SelfPacedTeacher(AdaptiveTeacher):
         )
         self._config = config
         self._parameters = whole_range.parameters
-        self._low = whole_range.lower.min(axis=0)
-        self._extent = np.maximum(whole_range.upper.max(axis=0) - self._low, 1e-12)
+        self._axes = whole_range.axes
+        self._box = UnitBox(whole_range)
         self._target = self._moments(whole_range)
         self._now = self._moments(begin)
         self._updates = 0
@@ -106,32 +109,36 @@ class SelfPacedTeacher(AdaptiveTeacher):
     @property
     def mean(self) -> FloatArray:
         """Mean of the Gaussian in the parameters' units, ``(parameter,)``."""
-        return self._low + self._extent * self._now[: self._extent.size]
+        return self._box.tasks(self._now[None, : self._box.size])[0]
 
     @property
     def deviation(self) -> FloatArray:
-        """Standard deviations in the parameters' units, ``(parameter,)``."""
-        return self._extent * np.exp(self._now[self._extent.size :])
+        """Standard deviations on the scale of each axis, ``(parameter,)``.
+
+        Of a continuous axis in its units, of a logarithmic one in its natural logarithm.
+        """
+        return self._box.extent * np.exp(self._now[self._box.size :])
 
     def distribution(self) -> TaskDistribution:
         """Return tasks drawn from the Gaussian within the range."""
         rng = generator(self._seed, "points", self._updates)
-        mean, deviation = self._now[: self._extent.size], np.exp(self._now[self._extent.size :])
+        mean, deviation = self._now[: self._box.size], np.exp(self._now[self._box.size :])
 
         def draw(size: int) -> FloatArray:
             return mean + deviation * rng.standard_normal((size, mean.size))
 
-        points = self._low + self._extent * points_within(draw, self._config.points, rng)
+        points = self._box.tasks(points_within(draw, self._config.points, rng))
         return TaskDistribution(
             parameters=self._parameters,
             weights=np.full(len(points), 1.0 / len(points)),
             lower=points,
             upper=points,
+            axes=self._axes,
         )
 
     def take(self, episode: EndedEpisode) -> None:
         """Keep the episode, and move the Gaussian once there are enough."""
-        self._tasks.append(((episode.task - self._low) / self._extent).tolist())
+        self._tasks.append(self._box.places(episode.task[None])[0].tolist())
         self._success.append(episode.progress)
         if len(self._success) >= self._config.update_episodes:
             tasks, success = np.asarray(self._tasks), np.asarray(self._success)
@@ -141,8 +148,7 @@ class SelfPacedTeacher(AdaptiveTeacher):
 
     def _moments(self, distribution: TaskDistribution) -> FloatArray:
         """Return mean and logarithm of the deviation in units of the range, one after the other."""
-        lower = (distribution.lower - self._low) / self._extent
-        upper = (distribution.upper - self._low) / self._extent
+        lower, upper = self._box.sides(distribution)
         weights = distribution.weights[:, None]
         mean = (weights * (lower + upper) / 2).sum(axis=0)
         square = (weights * (lower**2 + lower * upper + upper**2) / 3).sum(axis=0)

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surmount.analysis.description import runs
+from surmount.analysis.description import describe_side, runs
 from surmount.core.arrays import FloatArray
+from surmount.core.axis import Axes, Axis, full_axes
 
 _LENGTHS_AND_ANGLES = {"mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
 UNITS = {
@@ -137,35 +138,28 @@ def duration(seconds: float) -> str:
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
 
 
-def variant_label(variant: FloatArray | Sequence[float]) -> str:
-    """Return a variant as people write it: ``180`` or ``(180, 0.7)``."""
-    parts = [f"{float(value):g}" for value in variant]
-    return parts[0] if len(parts) == 1 else f"({', '.join(parts)})"
+def variant_range(parameters: Sequence[str], variants: FloatArray, axes: Axes = ()) -> str:
+    """Return the range of a group's variants, ``"55–95 mm"``, or its runs, ``"55, 70–95 mm"``.
 
-
-def variant_range(parameters: Sequence[str], variants: FloatArray) -> str:
-    """Return the range of a group's variants, ``"55–95 mm"``, or its runs, ``"55, 70–95 mm"``."""
+    Categories are listed, ``"flat, slope"``.
+    """
+    along = full_axes(axes, parameters)
     if variants.shape[1] != 1:
         return "; ".join(
-            f"{name_and_unit(name)[0]} {_range(variants[:, column], name)}"
+            f"{name_and_unit(name)[0]} {_range(variants[:, column], name, along[column])}"
             for column, name in enumerate(parameters)
         )
-    parts = runs(variants[:, 0])
-    if len(parts) > MOST_RUNS:
-        return _range(variants[:, 0], parameters[0])
+    parts = runs(variants[:, 0], along[0])
+    if len(parts) > MOST_RUNS and not along[0].categorical:
+        return _range(variants[:, 0], parameters[0], along[0])
     unit = name_and_unit(parameters[0])[1]
-    spans = ", ".join(_span(part) for part in parts)
+    spans = ", ".join(describe_side(along[0], part) for part in parts)
     return f"{spans}{SPACE}{unit}" if unit else spans
 
 
-def _range(values: FloatArray, parameter: str) -> str:
-    unit = name_and_unit(parameter)[1]
-    return f"{_span(values)}{SPACE}{unit}" if unit else _span(values)
-
-
-def _span(values: FloatArray) -> str:
-    low, high = float(values.min()), float(values.max())
-    return f"{low:g}" if low == high else f"{low:g}–{high:g}"
+def _range(values: FloatArray, parameter: str, axis: Axis) -> str:
+    unit, span = name_and_unit(parameter)[1], describe_side(axis, values)
+    return f"{span}{SPACE}{unit}" if unit else span
 
 
 def listed(words: Sequence[str]) -> str:

@@ -15,7 +15,7 @@ from surmount.analysis.explanation import describe_bic_choice
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
-from surmount.report.document.text import axis_label, name_and_unit, variant_label
+from surmount.report.document.text import axis_label, name_and_unit
 from surmount.report.figures.palette import INK, PAPER
 from surmount.report.figures.plots import annotate, compact, plain, plot
 from surmount.report.figures.stills import axes_grid
@@ -75,7 +75,7 @@ def mixture_fit(analysis: Analysis) -> Figure:
 
 def _variant(analysis: Analysis) -> str:
     unit = name_and_unit(analysis.parameters[0])[1] if len(analysis.parameters) == 1 else ""
-    return f"{variant_label(analysis.variants[analysis.bic_variant])} {unit}".strip()
+    return f"{analysis.label(analysis.bic_variant)} {unit}".strip()
 
 
 def _bic_sentence(curve: BICCurve) -> str:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure as StillFigure
 
 from surmount.analysis.result import Analysis
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
-from surmount.report.document.text import number, percent, short, variant_label
+from surmount.report.document.text import number, percent, short
 from surmount.report.figures.dendrogram_layout import DendrogramLayout, layout
 from surmount.report.figures.palette import INK, MUTED, PAPER, group_colour
 from surmount.report.figures.plots import compact, hover, plain, plot
@@ -81,8 +81,7 @@ def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
         sentences.append("No link is abrupt enough to divide: all variants form one group.")
     if analysis.merges:
         small = [
-            f"{', '.join(variant_label(analysis.variants[i]) for i in merge.members)} (joins at "
-            f"{merge.height:.2f})"
+            f"{', '.join(analysis.label(i) for i in merge.members)} (joins at {merge.height:.2f})"
             for merge in analysis.merges
         ]
         sentences.append(
@@ -94,7 +93,7 @@ def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
 
 def _tree_panel(analysis: Analysis, drawn: DendrogramLayout) -> go.Figure:
     figure = plot(x_title=HEIGHT_TITLE, y_title=variant_title(analysis))
-    labels = [variant_label(analysis.variants[leaf]) for leaf in drawn.leaves]
+    labels = [analysis.label(leaf) for leaf in drawn.leaves]
     for group in [-1, *range(len(analysis.groups))]:
         x: list[float | None] = []
         y: list[float | None] = []
@@ -182,7 +181,7 @@ def _draw_tree(ax: Axes, analysis: Analysis, drawn: DendrogramLayout) -> None:
         ax.plot([], [], color=colour, label=f"{short(group.name)} ({percent(group.success_rate)})")
     # Above the axes, where no link runs beneath it.
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-    labels = [variant_label(analysis.variants[leaf]) for leaf in drawn.leaves]
+    labels = [analysis.label(leaf) for leaf in drawn.leaves]
     ax.set_yticks(range(len(labels)), labels, fontsize=6.5)
     ax.set_ylim(len(labels) - 0.4, -0.6)
     ax.set_xlim(0, 1.06 * float(drawn.heights[:, 2].max() or 1.0))
@@ -194,7 +193,7 @@ def _draw_tree(ax: Axes, analysis: Analysis, drawn: DendrogramLayout) -> None:
 def _data(analysis: Analysis) -> Columns:
     """Return one row per pair of variants and one per link of the dendrogram."""
     n = analysis.variants.shape[0]
-    labels = [variant_label(variant) for variant in analysis.variants]
+    labels = analysis.labels_of_variants
     names = [analysis.groups[group].name for group in analysis.labels]
     rows, links = [i for i in range(n) for _ in range(n)], range(n - 1)
     columns = [j for _ in range(n) for j in range(n)]

@@ -282,7 +282,9 @@ def _data(
         columns["arm"] += [arm] * won.size
         columns["group"] += [None if i < 0 else curriculum.groups[i].name for i in groups]
         for index, name in enumerate(variants):
-            columns[name] += outcomes.variant[won, index].tolist()
+            columns[name] += [
+                curriculum.axes[index].value(one) for one in outcomes.variant[won, index]
+            ]
         columns["network"] += outcomes.network[won].tolist()
         columns["trial"] += outcomes.repetition[won].tolist()
         for path in paths:

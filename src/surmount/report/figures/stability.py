@@ -10,7 +10,7 @@ from matplotlib.figure import Figure as StillFigure
 from surmount.analysis.result import Analysis
 from surmount.analysis.stability import Stability
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
-from surmount.report.document.text import percent, short, variant_label
+from surmount.report.document.text import percent, short
 from surmount.report.figures.palette import INK, MUTED, group_colour
 from surmount.report.figures.plots import compact, hover, plain, plot
 from surmount.report.figures.stills import axes_grid
@@ -30,7 +30,7 @@ def success_and_stability(analysis: Analysis) -> Figure | None:
     stability = analysis.stability
     if stability is None:
         return None
-    boundaries = analysis.variants.shape[1] == 1
+    boundaries = analysis.in_a_row
     panels = (
         Panel(
             plot=_success_panel(analysis, stability),
@@ -87,7 +87,7 @@ def _together(share: float) -> str:
 
 
 def _share(analysis: Analysis) -> str:
-    return f"share of trials{' or replicates' if analysis.variants.shape[1] == 1 else ''}"
+    return f"share of trials{' or replicates' if analysis.in_a_row else ''}"
 
 
 def _limits(analysis: Analysis) -> ProportionIntervals:
@@ -96,8 +96,8 @@ def _limits(analysis: Analysis) -> ProportionIntervals:
 
 def _success_panel(analysis: Analysis, stability: Stability) -> go.Figure:
     figure = plot(x_title=variant_title(analysis), y_title=_share(analysis))
-    labels = [variant_label(variant) for variant in analysis.variants]
-    if analysis.variants.shape[1] == 1:
+    labels = analysis.labels_of_variants
+    if analysis.in_a_row:
         figure.add_trace(
             go.Bar(
                 x=np.arange(len(labels) - 1) + 0.5,
@@ -165,7 +165,7 @@ def _still(analysis: Analysis, stability: Stability) -> StillFigure:
 
 
 def _draw_success(ax: Axes, analysis: Analysis, stability: Stability) -> None:
-    if analysis.variants.shape[1] == 1:
+    if analysis.in_a_row:
         places = np.arange(stability.boundaries.size) + 0.5
         ax.bar(places, stability.boundaries, width=0.35, color=MUTED, alpha=0.45, label="boundary")
     limits = _limits(analysis)
@@ -184,7 +184,7 @@ def _draw_success(ax: Axes, analysis: Analysis, stability: Stability) -> None:
             label=short(group.name),
         )
     ticks = ticks_of(analysis.variants.shape[0])
-    labels = [variant_label(analysis.variants[i]) for i in ticks]
+    labels = [analysis.label(i) for i in ticks]
     ax.set_xticks(ticks, labels, rotation=0 if len(analysis.parameters) == 1 else 90)
     ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel(variant_title(analysis))
@@ -195,7 +195,7 @@ def _draw_success(ax: Axes, analysis: Analysis, stability: Stability) -> None:
 def _data(analysis: Analysis, stability: Stability) -> Columns:
     """Return one row per variant, then one per pair of variants."""
     n = analysis.variants.shape[0]
-    labels = [variant_label(variant) for variant in analysis.variants]
+    labels = analysis.labels_of_variants
     limits = _limits(analysis)
     pairs = [(i, j) for i in range(n) for j in range(n)]
     none, empty = [None] * (n * n), [None] * n

@@ -6,6 +6,8 @@ import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
+from surmount.analysis.features import describe_variant
+from surmount.core.axis import Axes, values_of
 from surmount.report.comparison import Comparison, VariantSuccess
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
 from surmount.report.document.text import (
@@ -14,11 +16,11 @@ from surmount.report.document.text import (
     percent,
     percent_interval,
     short,
-    variant_label,
 )
 from surmount.report.figures.palette import ARM_STYLES, group_colour, translucent
 from surmount.report.figures.plots import annotate, hover, plain, plot
 from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.variant_matrix import ticks_of
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import TRAININGS
 
@@ -29,6 +31,7 @@ Spans = list[tuple[float, float, int]]
 def success_by_variant(comparison: Comparison, curriculum: Curriculum) -> Figure:
     """Draw success on each variant with Wilson's intervals."""
     spans = _spans(curriculum) if len(curriculum.parameters) == 1 else []
+    logarithmic = bool(spans) and curriculum.axes[0].kind == "logarithmic"
     groups = tuple(
         LegendEntry(text=f"group: {group.name}", colour=group_colour(index), shape="square")
         for index, group in enumerate(curriculum.groups)
@@ -40,7 +43,8 @@ def success_by_variant(comparison: Comparison, curriculum: Curriculum) -> Figure
         title="Success on every variant",
         caption=(
             "Share of trials of all networks that succeeded on each variant; bands are 95 % Wilson "
-            "intervals over trials. The strip above shows the groups."
+            f"intervals over trials.{' The axis is logarithmic.' if logarithmic else ''} The strip "
+            "above shows the groups."
             if spans
             else "Share of trials of all networks that succeeded on each variant, in ascending "
             "order; bands are 95 % Wilson intervals over trials.",
@@ -68,18 +72,34 @@ def success_by_variant(comparison: Comparison, curriculum: Curriculum) -> Figure
 
 
 def _spans(curriculum: Curriculum) -> Spans:
-    return sorted(
-        (float(box.lower[0]), float(box.upper[0]), index)
+    """Return where groups lie on the scale of the axis; those that touch are one."""
+    (axis,) = curriculum.axes
+    found: Spans = []
+    for low, high, index in sorted(
+        (*(float(side[0]) for side in axis.sides(box.lower, box.upper)), index)
         for index, group in enumerate(curriculum.groups)
         for box in group.boxes
-    )
+    ):
+        begin = found.pop()[0] if found and found[-1][1:] == (low, index) else low
+        found.append((begin, high, index))
+    return found
 
 
-def _positions(rows: tuple[VariantSuccess, ...]) -> list[float]:
-    """Return where variants stand: at their size, or in a row where they have several."""
-    if rows and len(rows[0].variant) == 1:
-        return [row.variant[0] for row in rows]
+def _positions(rows: tuple[VariantSuccess, ...], axes: Axes) -> list[float]:
+    """Return where variants stand: on the axis' scale, or in a row where there are several."""
+    if len(axes) == 1:
+        return axes[0].scale(np.array([row.variant[0] for row in rows])).tolist()
     return [float(index) for index in range(len(rows))]
+
+
+def _ticks(comparison: Comparison, axes: Axes) -> tuple[list[float], list[str]] | None:
+    """Return ticks and their texts; ``None`` where numbers along the axis are the values."""
+    if len(axes) == 1 and axes[0].kind in ("continuous", "integer"):
+        return None
+    rows = comparison.by_variant[TRAININGS[0]]
+    shown = ticks_of(len(rows)) if len(axes) == 1 and not axes[0].categorical else range(len(rows))
+    places = _positions(rows, axes)
+    return [places[i] for i in shown], [describe_variant(rows[i].variant, axes) for i in shown]
 
 
 def _title(curriculum: Curriculum) -> str:
@@ -110,18 +130,16 @@ def _panel(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> go.F
             captureevents=False,
         )
     for kind in TRAININGS:
-        _add_curve(figure, kind, comparison.by_variant[kind])
+        _add_curve(figure, kind, comparison.by_variant[kind], curriculum.axes)
     figure.update_yaxes(range=[-0.02, 1.14], tickvals=[0, 0.25, 0.5, 0.75, 1], tickformat=".0%")
-    if not spans:
-        rows = comparison.by_variant[TRAININGS[0]]
-        figure.update_xaxes(
-            tickvals=_positions(rows), ticktext=[plain(variant_label(row.variant)) for row in rows]
-        )
+    ticks = _ticks(comparison, curriculum.axes)
+    if ticks is not None:
+        figure.update_xaxes(tickvals=ticks[0], ticktext=[plain(text) for text in ticks[1]])
     return figure
 
 
-def _add_curve(figure: go.Figure, kind: str, rows: tuple[VariantSuccess, ...]) -> None:
-    style, x = ARM_STYLES[kind], _positions(rows)
+def _add_curve(figure: go.Figure, kind: str, rows: tuple[VariantSuccess, ...], axes: Axes) -> None:
+    style, x = ARM_STYLES[kind], _positions(rows, axes)
     figure.add_trace(
         go.Scatter(
             x=[*x, *reversed(x)],
@@ -142,7 +160,7 @@ def _add_curve(figure: go.Figure, kind: str, rows: tuple[VariantSuccess, ...]) -
             marker={"symbol": style.marker, "size": 8, "color": style.colour},
             hovertext=[
                 hover(
-                    f"{variant_label(row.variant)}, {style.name}",
+                    f"{describe_variant(row.variant, axes)}, {style.name}",
                     f"{integer(row.success.successes)} of {integer(row.success.trials)}: "
                     f"{percent(row.success.rate, 1)}",
                     f"95 % interval {percent_interval(row.lower, row.upper, 1)}",
@@ -162,14 +180,14 @@ def _still(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> Stil
         ax.text((low + high) / 2, 1.087, name, ha="center", va="center", fontsize=7)
     for kind in TRAININGS:
         style, rows = ARM_STYLES[kind], comparison.by_variant[kind]
-        x = _positions(rows)
+        x = _positions(rows, curriculum.axes)
         lower, upper = [row.lower for row in rows], [row.upper for row in rows]
         rates = [np.nan if row.success.rate is None else row.success.rate for row in rows]
         ax.fill_between(x, lower, upper, color=style.colour, alpha=0.15, lw=0)
         ax.plot(x, rates, style.point, ls=style.line, color=style.colour, ms=4, label=style.name)
-    if not spans:
-        rows = comparison.by_variant[TRAININGS[0]]
-        ax.set_xticks(_positions(rows), [variant_label(row.variant) for row in rows], rotation=90)
+    ticks = _ticks(comparison, curriculum.axes)
+    if ticks is not None:
+        ax.set_xticks(*ticks, rotation=0 if spans else 90)
     ax.set_ylim(-0.03, 1.15)
     ax.set_yticks([0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
     ax.set_xlabel(_title(curriculum))
@@ -189,7 +207,8 @@ def _data(comparison: Comparison, curriculum: Curriculum) -> Columns:
     for kind in TRAININGS:
         for row in comparison.by_variant[kind]:
             group = curriculum.group_of(np.asarray(row.variant))
-            values = (kind, *row.variant, None if group is None else curriculum.groups[group].name,
+            values = (kind, *values_of(curriculum.axes, np.asarray(row.variant)),
+                      None if group is None else curriculum.groups[group].name,
                       row.success.successes, row.success.trials, row.success.rate,
                       row.lower, row.upper)  # fmt: skip
             for column, value in zip(columns.values(), values, strict=True):

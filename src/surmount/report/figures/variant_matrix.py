@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle
 
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
-from surmount.report.document.text import axis_label, variant_label
+from surmount.report.document.text import axis_label
 from surmount.report.figures.palette import SEQUENTIAL, group_colour
 from surmount.report.figures.plots import compact, hover, plain, plot
 
@@ -35,7 +35,7 @@ def matrix_panel(
     likeness
         Whether 1 means alike, and is drawn light; else 0 does.
     """
-    labels = [variant_label(variant) for variant in analysis.variants]
+    labels = analysis.labels_of_variants
     title = variant_title(analysis)
     figure = plot(x_title=title, y_title=title)
     n = len(labels)
@@ -109,7 +109,7 @@ def draw_matrix(
         size, colour = stop - start + 1, group_colour(int(analysis.labels[start]))
         ax.add_patch(Rectangle((start - 0.5, start - 0.5), size, size, fill=False, ec=colour, lw=2))
     ticks = ticks_of(n)
-    labels = [variant_label(analysis.variants[i]) for i in ticks]
+    labels = [analysis.label(i) for i in ticks]
     ax.set_xticks(ticks, labels, rotation=0 if len(analysis.parameters) == 1 else 90)
     ax.set_yticks(ticks, labels)
     ax.set_xlabel(variant_title(analysis))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
+from surmount.analysis.description import describe_side
 from surmount.analysis.result import Analysis
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray
+from surmount.core.axis import Axes, Axis
 from surmount.report.document.parts import Block, Column, Fold, Notice, Paragraph, Section, Table
 from surmount.report.document.text import (
     axis_label,
@@ -19,14 +19,13 @@ from surmount.report.document.text import (
     number,
     percent,
     percent_interval,
-    variant_label,
     variant_range,
 )
 from surmount.report.figures.fit import mixture_fit
 from surmount.report.figures.grouping import distances_and_groups
 from surmount.report.figures.stability import success_and_stability
 from surmount.stats.proportions import proportion_intervals
-from surmount.tasks.curriculum import Group
+from surmount.tasks.curriculum import Curriculum, Group
 
 MOST_BOXES = 2
 """Up to so many boxes of a group are written out."""
@@ -81,7 +80,7 @@ def group_table(analysis: Analysis) -> Table:
         rows.append(
             (
                 group.name,
-                variant_range(analysis.parameters, group.variants),
+                variant_range(analysis.parameters, group.variants, analysis.axes),
                 str(len(group.variants)),
                 percent(group.success_rate),
                 f"{won} / {tried}",
@@ -119,7 +118,7 @@ def level_table(analysis: Analysis) -> Table | Paragraph:
             text="The curriculum has no levels: every group already reaches a success of "
             f"{percent(curriculum.success_threshold)} in the logged trials."
         )
-    bounds = [_bounds(curriculum.parameters, group) for group in curriculum.groups]
+    bounds = [_bounds(curriculum, group) for group in curriculum.groups]
     return Table(
         label="Table 2",
         title="Levels of the curriculum: weight of each group",
@@ -147,25 +146,45 @@ def level_table(analysis: Analysis) -> Table | Paragraph:
             (
                 "Each level draws tasks from the mixture of eq. 4 with these weights; ★ marks its "
                 "dominant group. The paper's own weights are lost; these are assumed."
+                f"{_draws(curriculum.axes)}"
             ),
         ),
     )
 
 
-def _bounds(parameters: Sequence[str], group: Group) -> str:
+def _bounds(curriculum: Curriculum, group: Group) -> str:
     """Return where a group's tasks are drawn from: boxes, or their number and what they span."""
-    if len(group.boxes) <= MOST_BOXES:
-        return " and ".join(_span(parameters, box.lower, box.upper) for box in group.boxes)
-    lower = np.min([box.lower for box in group.boxes], axis=0)
-    upper = np.max([box.upper for box in group.boxes], axis=0)
-    return f"{len(group.boxes)} cells within {_span(parameters, lower, upper)}"
+    axes = curriculum.axes
+    if len(group.boxes) <= MOST_BOXES or (len(axes) == 1 and axes[0].categorical):
+        return listed([_span(curriculum, np.stack([box.lower, box.upper])) for box in group.boxes])
+    ends = np.concatenate([[box.lower, box.upper] for box in group.boxes])
+    return f"{len(group.boxes)} cells within {_span(curriculum, ends)}"
 
 
-def _span(parameters: Sequence[str], lower: FloatArray, upper: FloatArray) -> str:
+def _span(curriculum: Curriculum, points: FloatArray) -> str:
+    """Return what points, shape ``(point, parameter)``, span along each parameter."""
     return ", ".join(
-        f"{interval(float(low), float(high), 4)} {name_and_unit(name)[1]}".strip()
-        for name, low, high in zip(parameters, lower, upper, strict=True)
+        f"{_side(axis, values)} {name_and_unit(name)[1]}".strip()
+        for axis, name, values in zip(curriculum.axes, curriculum.parameters, points.T, strict=True)
     )
+
+
+def _side(axis: Axis, values: FloatArray) -> str:
+    if axis.discrete:
+        return describe_side(axis, values)
+    return interval(float(values.min()), float(values.max()), 4)
+
+
+def _draws(axes: Axes) -> str:
+    """Return how tasks are drawn where that is not evenly over values; else nothing."""
+    words = [
+        "evenly in the logarithm of a logarithmic parameter"
+        if any(axis.kind == "logarithmic" for axis in axes)
+        else "",
+        "every whole number and every name alike" if any(axis.discrete for axis in axes) else "",
+    ]
+    told = listed([word for word in words if word])
+    return f" Tasks are drawn {told}." if told else ""
 
 
 def stability_statement(stability: Stability | None) -> str:
@@ -184,13 +203,12 @@ def stability_statement(stability: Stability | None) -> str:
 def stability_table(analysis: Analysis) -> Table | None:
     """Return how often each boundary between groups came back; ``None`` where there is none."""
     stability = analysis.stability
-    if stability is None or analysis.variants.shape[1] != 1:
+    if stability is None or not analysis.in_a_row:
         return None
     unit = name_and_unit(analysis.parameters[0])[1]
     rows = [
         (
-            f"{variant_label(analysis.variants[i])} | {variant_label(analysis.variants[i + 1])} "
-            f"{unit}".strip(),
+            f"{analysis.label(i)} | {analysis.label(i + 1)} {unit}".strip(),
             (
                 f"{analysis.groups[analysis.labels[i]].name} | "
                 f"{analysis.groups[analysis.labels[i + 1]].name}"

@@ -113,7 +113,7 @@ def grouping_sentence(analysis: Analysis) -> str:
     groups = analysis.groups
     variants = counted(analysis.variants.shape[0], "variant")
     parts = [
-        f"{group.name} ({variant_range(analysis.parameters, group.variants)}, "
+        f"{group.name} ({variant_range(analysis.parameters, group.variants, analysis.axes)}, "
         f"{percent(group.success_rate)} success in the logged trials)"
         for group in groups
     ]
