@@ -29,7 +29,7 @@ class ColumnOptions:
     success: Column = ""
     """Column of the outcome, on each row of a trial or on its last one."""
     success_above: Annotated[float | None, tyro.conf.arg(metavar="VALUE")] = None
-    """Value above which the last outcome of a trial is a success, where it is a reward or a code."""
+    """Value above which a trial's last outcome is a success, where it is a reward or a code."""
     success_word: Words = ()
     """Word that means success, where outcomes are other words than true, yes, success; may be
     repeated."""

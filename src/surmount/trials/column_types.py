@@ -1,16 +1,16 @@
 """The type of each column, decided once from all of its entries.
 
 Names of networks and trials never pass through a number: an entry is a whole number only where it
-is written as one in the only way there is (``7``, not ``07``, ``7.0`` or ``1e3``), and a column holds
-whole numbers only where all of its entries are. Task parameters and features are numbers; a task
-parameter whose entries are all words is a category.
+is written as one in the only way there is (``7``, not ``07``, ``7.0`` or ``1e3``), and a column
+holds whole numbers only where all of its entries are. Task parameters and features are numbers; a
+task parameter whose entries are all words is a category.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import polars as pl
 
@@ -27,6 +27,8 @@ _COMMA = r"^[+-]?\d*,\d+$"
 _EXACT = 2**53
 """Whole numbers up to here are floating-point numbers exactly."""
 Kind = Literal["number", "instant", "label", "category"]
+Entry = tuple[pl.Expr, Any]
+"""Entries of a column as they are, and their type."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,8 +100,11 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
     parameters = _expanded(source, schema, roles.parameters, problems)
     singles = {
         key: (pl.col(name), schema[name])
-        for key, name in (("network", roles.network), ("trial", roles.trial),
-                          ("success", roles.success))  # fmt: skip
+        for key, name in (
+            ("network", roles.network),
+            ("trial", roles.trial),
+            ("success", roles.success),
+        )
         if name in schema
     }
     if FILE_COLUMN in schema:
@@ -107,7 +112,8 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
         if "trial" in singles:
             name = pl.concat_str(name, singles["trial"][0].cast(pl.String), separator=":")
         singles["trial"] = (name, pl.String())
-    survey = _Survey(source, [*features.values(), *parameters.values(), *singles.values()])
+    labels = [singles[key] for key in ("network", "trial") if key in singles]
+    survey = _Survey(source, [*features.values(), *parameters.values()], labels)
 
     def label(key: str) -> Field | None:
         if key not in singles:
@@ -159,7 +165,11 @@ def outcome(raw: pl.Expr, kind: Any, columns: Columns) -> pl.Expr:
         return raw.cast(pl.Float64)
     if kind.is_numeric():
         value = raw.cast(pl.Float64).fill_nan(None)
-        return pl.when(value.is_null() | value.is_in([0.0, 1.0])).then(value).otherwise(pl.lit(float("nan")))
+        return (
+            pl.when(value.is_null() | value.is_in([0.0, 1.0]))
+            .then(value)
+            .otherwise(pl.lit(float("nan")))
+        )
     word = cleaned(raw, kind).str.to_lowercase()
     return (
         pl.when(word.is_null())
@@ -184,37 +194,66 @@ def _is_text(kind: Any) -> bool:
 
 
 class _Survey:
-    """What the entries of text columns look like, counted in one pass over the table."""
+    """What the entries of text columns look like, counted in one pass over the table.
 
-    def __init__(self, source: Source, fields: Sequence[tuple[pl.Expr, Any]]) -> None:
-        counts: list[pl.Expr] = [pl.len().alias("rows")]
-        self._place: dict[str, int] = {}
-        for raw, kind in fields:
-            key = str(raw)
-            if not _is_text(kind) or key in self._place:
-                continue
-            place = self._place[key] = len(self._place)
-            text = cleaned(raw, kind)
-            whole = text.cast(pl.Int64, strict=False)
-            measures = {
-                "filled": text.is_not_null(),
-                "whole": whole.cast(pl.String) == text,
-                "numbers": text.cast(pl.Float64, strict=False).is_not_null(),
-                "inexact": whole.abs() > _EXACT,
-                "commas": text.str.contains(_COMMA),
-                "points": text.str.contains(".", literal=True),
-            }
-            counts += [one.sum().alias(f"{place} {name}") for name, one in measures.items()]
-        found = source.collect(source.frame.select(counts))
-        self._counts = found.row(0, named=True)
-        self.n_rows = int(self._counts["rows"])
+    Columns in which something is amiss, missing or written with commas are looked at closer, in
+    one more pass.
+    """
+
+    def __init__(self, source: Source, numbers: Sequence[Entry], labels: Sequence[Entry]) -> None:
         self.commas = source.decimal_commas
         self.with_commas: list[str] = []
         self.with_points: list[str] = []
+        text = {str(raw): (raw, kind) for raw, kind in (*numbers, *labels) if _is_text(kind)}
+        places = {key: str(place) for place, key in enumerate(text)}
+        plain: list[pl.Expr] = [pl.len().alias("rows")]
+        for key, (raw, kind) in text.items():
+            told = raw if kind == pl.String else raw.cast(pl.String)
+            read = told.cast(pl.Float64, strict=False)
+            if any(key == str(one) for one, _ in labels):
+                read = _canonical(told)
+            plain.append((read.is_null() & raw.is_not_null()).sum().alias(places[key]))
+        first = source.collect(source.frame.select(plain)).row(0, named=True)
+        self.n_rows = int(first["rows"])
+        self._plain = {key for key in text if not first[places[key]]}
+        closer = [
+            measure.sum().alias(f"{places[key]} {name}")
+            for key, (raw, kind) in text.items()
+            if key not in self._plain or self.commas
+            for name, measure in _measures(cleaned(raw, kind)).items()
+        ]
+        second = source.collect(source.frame.select(closer)).row(0, named=True) if closer else {}
+        self._counts = {
+            key: {name: int(second.get(f"{places[key]} {name}") or 0) for name in _MEASURES}
+            for key in text
+        }
+
+    def plain(self, raw: pl.Expr) -> bool:
+        """Whether all entries of a column are what it should hold, with nothing around them."""
+        return str(raw) in self._plain
 
     def count(self, raw: pl.Expr, measure: str) -> int:
-        """Return of how many entries something holds."""
-        return int(self._counts[f"{self._place[str(raw)]} {measure}"] or 0)
+        """Return of how many entries something holds; 0 where nobody had to look."""
+        return self._counts[str(raw)][measure]
+
+
+_MEASURES = ("filled", "whole", "numbers", "commas", "points")
+
+
+def _measures(text: pl.Expr) -> dict[str, pl.Expr]:
+    return {
+        "filled": text.is_not_null(),
+        "whole": _canonical(text).is_not_null(),
+        "numbers": text.cast(pl.Float64, strict=False).is_not_null(),
+        "commas": text.str.contains(_COMMA),
+        "points": text.str.contains(".", literal=True),
+    }
+
+
+def _canonical(text: pl.Expr) -> pl.Expr:
+    """Return whole numbers that are written in the only way there is, null for all others."""
+    number = text.cast(pl.Int64, strict=False)
+    return pl.when(number.cast(pl.String) == text).then(number)
 
 
 def _label(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
@@ -228,8 +267,12 @@ def _label(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
         expression = pl.when(whole).then(value).otherwise(None).cast(pl.Int64, strict=False)
     elif _is_text(kind):
         text = cleaned(raw, kind)
-        whole = survey.count(raw, "whole") == survey.count(raw, "filled")
-        expression = text.cast(pl.Int64, strict=False) if whole else text
+        if survey.plain(raw):
+            expression = raw.cast(pl.String).cast(pl.Int64, strict=False)
+        elif survey.count(raw, "whole") == survey.count(raw, "filled"):
+            expression = text.cast(pl.Int64, strict=False)
+        else:
+            expression = text
     elif kind.is_temporal():
         expression = raw.cast(pl.String, strict=False)
     else:
@@ -238,12 +281,9 @@ def _label(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
 
 
 def _parameter(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
-    if _is_text(kind) and survey.count(raw, "filled") and not (
-        survey.count(raw, "numbers") or survey.count(raw, "commas")
-    ):
-        return Field(
-            name=name, raw=raw, type=kind, kind="category", expression=cleaned(raw, kind)
-        )
+    words = _is_text(kind) and not survey.plain(raw) and survey.count(raw, "filled")
+    if words and not (survey.count(raw, "numbers") or survey.count(raw, "commas")):
+        return Field(name=name, raw=raw, type=kind, kind="category", expression=cleaned(raw, kind))
     field = _number(name, raw, kind, survey)
     if field.kind == "instant":  # a moment is no task parameter
         nothing = pl.lit(None, dtype=pl.Float64)
@@ -263,28 +303,25 @@ def _number(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
         return field(raw.cast(pl.Float64))
     if not _is_text(kind):
         return field(pl.lit(None, dtype=pl.Float64))
-    text = cleaned(raw, kind)
-    value = text.cast(pl.Float64, strict=False)
     if survey.count(raw, "points"):
         survey.with_points.append(name)
-    if survey.count(raw, "numbers") < survey.count(raw, "filled"):
-        commas = survey.count(raw, "commas")
-        if survey.commas and commas and not survey.count(raw, "points"):
-            survey.with_commas.append(name)
-            value = text.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False)
-        elif not commas:
-            truths = text.str.to_lowercase().replace_strict(
-                _TRUTHS, default=None, return_dtype=pl.Float64
-            )
-            value = pl.coalesce(value, truths)
-    return field(value)
+    if survey.plain(raw):
+        return field(raw.cast(pl.String).cast(pl.Float64, strict=False))
+    text = cleaned(raw, kind)
+    value = text.cast(pl.Float64, strict=False)
+    commas = survey.count(raw, "commas")
+    if survey.commas and commas and not survey.count(raw, "points"):
+        survey.with_commas.append(name)
+        return field(text.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False))
+    truths = text.str.to_lowercase().replace_strict(_TRUTHS, default=None, return_dtype=pl.Float64)
+    return field(value if commas else pl.coalesce(value, truths))
 
 
 def _expanded(
     source: Source, schema: Mapping[str, Any], wanted: Mapping[str, str], problems: Problems
-) -> dict[str, tuple[pl.Expr, Any]]:
+) -> dict[str, Entry]:
     """Return columns by their names, those of lists as one for each entry, ``name.0`` and so on."""
-    fields: dict[str, tuple[pl.Expr, Any]] = {}
+    fields: dict[str, Entry] = {}
     sizes = _list_sizes(source, schema, wanted, problems)
     for name, column in wanted.items():
         stem, _, entry = column.rpartition(".")
@@ -328,7 +365,7 @@ def _list_sizes(
             )
             sizes[name] = 0
         elif kind == pl.Array:
-            sizes[name] = kind.shape[0]
+            sizes[name] = int(cast(Any, kind).shape[0])
         elif kind == pl.List:
             lists.append(name)
     if lists:

@@ -48,7 +48,7 @@ def open_path(path: Path, columns: Columns) -> Source:
     files = [
         file
         for file in sorted(path.rglob("*"))
-        if ending(file) and not file.name.startswith(".") and file.resolve() != beside.resolve()
+        if (ending(file) and not file.name.startswith(".") and file.resolve() != beside.resolve())
         or (file == beside and not known)
     ]
     if not files:
@@ -125,7 +125,7 @@ def _told_by_table(
     known: Mapping[str, dict[str, str]],
     beside: Path,
 ) -> list[dict[str, str]]:
-    """Add what the table says of each file, by its path in the folder with or without its ending."""
+    """Add what the table says of each file, by its path with or without its ending."""
     found: list[dict[str, str]] = []
     without: list[str] = []
     for file, own in zip(files, told, strict=True):

@@ -80,9 +80,7 @@ def _episode(group: Any, number: int) -> pl.DataFrame:
     return pl.DataFrame(columns)
 
 
-def _add(
-    columns: dict[str, np.ndarray[Any, Any]], name: str, node: Any, n_steps: int
-) -> None:
+def _add(columns: dict[str, np.ndarray[Any, Any]], name: str, node: Any, n_steps: int) -> None:
     if hasattr(node, "keys"):
         for inner in node:
             _add(columns, f"{name}.{inner}", node[inner], n_steps)

@@ -17,6 +17,8 @@ _KNOWN = {
 }
 """Names by which a column is found that nobody named, in this order."""
 _LEROBOT = "episode_index"
+MARK_OF_END = "next.done"
+"""LeRobot's mark of an episode's last step, which is an outcome only where some lack it."""
 _LEROBOT_COUNTERS = ("frame_index", "index", "task_index", "timestamp")
 _INDEX_OF_ROWS = re.compile(r"__index_level_\d+__|Unnamed: \d+")
 """Names that pandas gives to numbers of rows when it writes them as a column."""
@@ -90,7 +92,7 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
         if not there and not (key == "network" and alone) and not by_file:
             problems.add(f"column `{key}` is missing", _REMEDIES[key])
     notes: list[str] = []
-    features = {name: column for name, column in columns.features.items()}
+    features = dict(columns.features)
     if not features:
         taken = {*parameters.values(), *found.values(), FILE_COLUMN}
         features = {name: name for name in names if name not in taken}
@@ -104,7 +106,7 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
             features = _lerobot_features(features, notes)
     if not features:
         problems.add("there is no feature column", "Log at least one feature per control step.")
-    if found["success"] == "next.done" and not columns.success:
+    if found["success"] == MARK_OF_END and not columns.success:
         notes.append(
             "`next.done` was taken for the outcome: trials that ended by themselves count as "
             "successes, those that were cut off as failures. Name another column with "
@@ -132,9 +134,7 @@ def _known(key: str, present: set[str]) -> str:
 
 def _lerobot_features(features: Mapping[str, str], notes: list[str]) -> dict[str, str]:
     """Keep what a LeRobot data set says about behaviour; its clock is the time of the episode."""
-    left_out = [
-        name for name in features if name in _LEROBOT_COUNTERS or name.startswith("next.")
-    ]
+    left_out = [name for name in features if name in _LEROBOT_COUNTERS or name.startswith("next.")]
     kept = {name: name for name in features if name not in left_out}
     if "timestamp" in left_out and TIME not in kept:
         kept = {TIME: "timestamp", **kept}

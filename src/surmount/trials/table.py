@@ -1,7 +1,7 @@
 """Trials as a long table: one row per control step, from any robot, whatever wrote it.
 
-Columns (version 1 of the contract, ``docs/trial-table.md``): ``variant`` with a number or a name, or
-``variant.<name>`` for each parameter of the task; ``network``, ``trial`` and ``success``; every
+Columns (version 1 of the contract, ``docs/trial-table.md``): ``variant`` with a number or a name,
+or ``variant.<name>`` for each parameter of the task; ``network``, ``trial`` and ``success``; every
 other column is a feature, ``time_s`` included. Rows of one trial stand in the order of time. Tables
 with columns of other names are read by saying which column holds what
 (:class:`surmount.trials.columns.Columns`).
@@ -125,9 +125,7 @@ def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
     return table
 
 
-def _read(
-    source: Source, columns: Columns, minimum_variants: int, minimum_samples: int
-) -> Trials:
+def _read(source: Source, columns: Columns, minimum_variants: int, minimum_samples: int) -> Trials:
     problems = Problems(place=source.place)
     roles = find_roles(tuple(source.schema()), columns, problems)
     return read_source(

@@ -12,7 +12,7 @@ from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.names import is_printable
 from surmount.trials.column_types import Field, Plan, plan_reading
 from surmount.trials.columns import TIME, Columns
-from surmount.trials.roles import Roles
+from surmount.trials.roles import MARK_OF_END, Roles
 from surmount.trials.row_groups import RowGroups, group_rows
 from surmount.trials.source import Source, require_memory
 from surmount.trials.table_problems import Problems
@@ -64,6 +64,11 @@ def read_source(
         reader.note_features()
         problems.raise_if_any(source.name)
     success = reader.outcomes(rows)
+    if roles.success == MARK_OF_END and not columns.success and success.all():
+        problems.add(
+            f"`{MARK_OF_END}` is true at the end of every trial, and so is no outcome",
+            "Name the column of the outcome with `--success`; a reward with `--success-above` too.",
+        )
     features = reader.features(rows)
     if columns.mapped:
         _check_numbering(rows, reader, features)
@@ -87,9 +92,7 @@ def read_source(
 class _Reader:
     """The columns of a table while trials are made from them; each is forgotten once it is used."""
 
-    def __init__(
-        self, source: Source, plan: Plan, columns: Columns, problems: Problems
-    ) -> None:
+    def __init__(self, source: Source, plan: Plan, columns: Columns, problems: Problems) -> None:
         self.source, self.plan, self.problems = source, plan, problems
         self._columns = columns
         self.notes: list[str] = []

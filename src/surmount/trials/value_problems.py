@@ -39,10 +39,14 @@ def note_bad_numbers(
         bad = np.flatnonzero(np.isnan(number))
     else:
         bad = np.flatnonzero(~(np.abs(number) <= _LARGEST_VALUE))
-    if exact and field.kind == "number" and np.abs(number[~np.isnan(number)]).max(initial=0) > _EXACT:
+    if (
+        exact
+        and field.kind == "number"
+        and np.abs(number[~np.isnan(number)]).max(initial=0) >= _EXACT
+    ):
         problems.rows(
-            np.flatnonzero(np.abs(number) > _EXACT),
-            f"`{name}` is larger than 2^53, beyond which numbers are not told apart",
+            np.flatnonzero(np.abs(number) >= _EXACT),
+            f"`{name}` is 2^53 or larger, where numbers are not told apart",
             "Number the variants, or give them names.",
         )
         bad = bad[np.isnan(number[bad])]
@@ -50,7 +54,9 @@ def note_bad_numbers(
         return
     raw = _raw(field, source, bad)
     there = raw.is_not_null()
-    infinite = there.to_numpy() & np.isinf(np.where(np.abs(number[bad]) > _LARGEST_VALUE, np.inf, 0))
+    infinite = there.to_numpy() & np.isinf(
+        np.where(np.abs(number[bad]) > _LARGEST_VALUE, np.inf, 0)
+    )
     if raw.dtype.is_float():
         there = there & ~raw.is_nan().fill_null(value=True)
     missing = ~there.to_numpy()
@@ -64,7 +70,9 @@ def note_bad_numbers(
         "Write decimals with points, or separate columns by semicolons instead of commas.",
     )
     problems.rows(
-        bad[word & ~commas], f"`{name}` is not a number", f"Write numbers in `{name}`, or leave it out."
+        bad[word & ~commas],
+        f"`{name}` is not a number",
+        f"Write numbers in `{name}`, or leave it out.",
     )
     problems.rows(
         bad[missing], f"`{name}` is missing or NaN", "Drop the trial, or log a finite value."
@@ -107,7 +115,10 @@ def note_bad_outcomes(field: Field, values: pl.Series, source: Source, problems:
     numeric = number is not None and number.is_not_null().all()
     codes = numeric and bool((number == number.floor()).all())  # type: ignore[union-attr]
     what = "a code" if codes else "a reward or a share" if numeric else "a word"
-    remedy = f"Write 1 (true) for a trial that reached its goal and 0 (false) for one that did not, {_ABOVE}."
+    remedy = (
+        "Write 1 (true) for a trial that reached its goal and 0 (false) for one that did not, "
+        f"{_ABOVE}."
+    )
     if not numeric:
         remedy = (
             "Write 1, true, yes or success for a trial that reached its goal, and 0, false, no or "
