@@ -19,6 +19,7 @@ from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
+from surmount.analysis.suspects import Suspect
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.configuration import from_record
 from surmount.core.errors import InputError, SurmountError
@@ -85,6 +86,7 @@ def _fields(record: Mapping[str, Any]) -> dict[str, Any]:
             explained_variance=float(features["explained_variance"]),
         ),
         "n_networks": _integer(record["n_networks"]),
+        "network_names": _texts(record.get("network_names", [])),
         "variants": _floats(record["variants"], 2),
         "success_rate": _floats(record["success_rate"], 1),
         "n_trials": _integers(record["n_trials"]),
@@ -113,6 +115,8 @@ def _fields(record: Mapping[str, Any]) -> dict[str, Any]:
         "sampled": _floats(record["sampled"], 2),
         "stability": None if record["stability"] is None else _stability(record["stability"]),
         "sensitivity": tuple(_part(SensitivityRow, row) for row in record["sensitivity"]),
+        "suspects": tuple(_part(Suspect, one) for one in record.get("suspects", [])),
+        "notes": _texts(record.get("notes", [])),
         "warnings": _texts(record["warnings"]),
     }
 
