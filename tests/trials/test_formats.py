@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
+import io
 import json
+import re
 from pathlib import Path
 
 import h5py
@@ -75,11 +78,26 @@ def test_parquet_arrow_and_feather_are_read(tmp_path):
         sound(read_trials(tmp_path / name))
 
 
+class OnlyArrow:
+    """A frame of some library that Arrow's stream is all that is known of."""
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        return frame().__arrow_c_stream__(requested_schema)
+
+
 def test_frames_of_every_library_are_read():
     columns = frame().to_dict(as_series=False)
     nullable = pd.DataFrame(columns).convert_dtypes()
     categorical = pd.DataFrame(columns).astype({"network": "category"})
-    for table in (frame(), frame().lazy(), columns, pd.DataFrame(columns), nullable, categorical):
+    for table in (
+        frame(),
+        frame().lazy(),
+        columns,
+        pd.DataFrame(columns),
+        nullable,
+        categorical,
+        OnlyArrow(),
+    ):
         sound(trials_from_table(table))
 
 
@@ -324,3 +342,13 @@ def test_decimal_commas_beside_points_are_refused(tmp_path):
                                     "1;0;0;1;0,5;1.234\n2;0;0;1;0,6;1.235\n")  # fmt: skip
     with pytest.raises(InputError, match="`fx` has decimal commas and `fy` points"):
         read_trials(tmp_path / "t.csv")
+
+
+def test_what_the_page_on_formats_shows_runs():
+    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    exec(compile(block, "formats.md", "exec"), {})  # noqa: S102
+    options = {flag for line in page.splitlines() for flag in re.findall(r"--[a-z][a-z-]+", line)}
+    with contextlib.redirect_stdout(io.StringIO()) as said, pytest.raises(SystemExit):
+        run(["analyze", "--help"])
+    assert options <= set(re.findall(r"--[a-z][a-z-]+", said.getvalue()))
