@@ -117,24 +117,6 @@ def test_groups_of_behaviour_stay_stable_beside_a_clock():
     assert is_stable(found)
 
 
-def test_an_outlier_that_swallows_a_feature_is_named():
-    trials = FAMILY.generate()
-    values = np.random.default_rng(0).normal(size=trials.n_samples)
-    values[7] = 1e99
-    found = determine_curriculum(
-        with_feature(trials, "swamped", values), dataclasses.replace(QUICK, bootstrap=0)
-    )
-    assert any("A few values of `swamped` are so far out" in said for said in found.warnings)
-
-
-def test_with_two_variants_it_is_said_that_no_cut_is_possible():
-    two = dataclasses.replace(FAMILY, sizes=(1, 1), behaviours=(0, 1))
-    found = determine_curriculum(two.generate(), dataclasses.replace(QUICK, bootstrap=0))
-    text = " ".join(found.warnings)
-    assert "With 2 variants no cut is possible" in text
-    assert "No abrupt change" not in text
-
-
 def test_names_of_networks_and_notes_of_reading_come_with_the_analysis():
     trials = dataclasses.replace(
         FAMILY.generate(), network_names=("run_a", "run_b", "c", "d"), notes=("Read so.",)

@@ -303,10 +303,11 @@ def test_the_stand_in_of_uci_gives_its_counts_by_every_path(capsys, tmp_path, by
         assert "12 trials on 3 variants, 6 succeeded, 180 rows" in capsys.readouterr().out
         trials = read_trials(out)
     _, which = trials.variants()
-    assert trials.categories == (("lp1", "lp2", "lp3"),)
+    assert trials.axes[0].names == ("lp1", "lp2", "lp3")
     assert np.bincount(which).tolist() == [5, 3, 4]
     assert np.bincount(which, weights=trials.success).tolist() == [2, 2, 2]
-    assert any("read as a category" in note for note in trials.notes)
+    if path != "parquet":  # which says it itself
+        assert any("read as a category" in note for note in trials.notes)
 
 
 def test_outcomes_in_other_words_are_refused_with_what_to_do(tmp_path):
@@ -330,7 +331,7 @@ def test_rewards_and_shares_are_no_outcomes_until_it_is_said_above_what(values, 
 def test_a_text_variant_is_a_category_and_a_mixed_one_is_refused():
     table = frame().with_columns(variant=pl.Series(["flat", "stairs", "flat", "stairs"]))
     trials = trials_from_table(table)
-    assert trials.categories == (("flat", "stairs"),)
+    assert trials.axes[0].names == ("flat", "stairs")
     assert trials.variant[:, 0].tolist() == [0, 1]
     mixed = frame().with_columns(variant=pl.Series(["0.5", "0.6", "0.7x", "0.8"]))
     with pytest.raises(InputError, match="row 3: `variant` is not a number"):

@@ -1,4 +1,4 @@
-"""Features that may decide a grouping and be no behaviour: clocks, the task itself, outliers."""
+"""Features that may decide a grouping and be no behaviour: clocks, counters, the task itself."""
 
 from __future__ import annotations
 
@@ -18,14 +18,11 @@ from surmount.analysis.sensitivity import group_variants, marginal, refits
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.trials.trials import Trials
 
-SuspectKind = Literal["clock", "task", "outlier"]
+SuspectKind = Literal["clock", "task"]
 _FEWEST_TRIALS = 8
 """Of fewer, ranges that do not overlap may be chance."""
 _CONSTANT = 1e-9
 """Range within a variant, as a share of the whole, below which there is one value."""
-_SWALLOWED = 1e-3
-"""Share of a standard deviation within which nearly all values lie where a few swallow the rest."""
-_NEARLY_ALL = (0.005, 0.995)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,9 +35,9 @@ class Suspect:
         Its name.
     kind
         ``"clock"``: it rises over the whole table from trial to trial; ``"task"``: it has a single
-        value on each variant; ``"outlier"``: a few values swallow what all others say.
+        value on each variant.
     n_groups
-        Groups without all features of the first two kinds.
+        Groups without all such features.
     agreement
         Adjusted Rand index of these groups with the analysis's own.
     """
@@ -82,18 +79,16 @@ def find_suspects(
     kinds: dict[str, SuspectKind] = {}
     _, variant = trials.variants()
     for name in names:
-        low, high = _ranges(trials, trials.column(name))
-        if _is_clock(trials, trials.column(name), low, high):
+        values = trials.column(name)
+        low, high = _ranges(trials, values)
+        if _is_clock(trials, values, low, high):
             kinds[name] = "clock"
         elif _is_task(variant, low, high):
             kinds[name] = "task"
-        elif _is_swallowed(trials.column(name)):
-            kinds[name] = "outlier"
-    left_out = [name for name, kind in kinds.items() if kind != "outlier"]
-    n_groups, agreement = int(labels.max()) + 1, 1.0
-    if left_out:
-        found = _groups_without(trials, names, left_out, mixtures, config, reduced, seed)
-        n_groups, agreement = int(found.max()) + 1, adjusted_rand(found, labels)
+    if not kinds:
+        return ()
+    found = _groups_without(trials, names, list(kinds), mixtures, config, reduced, seed)
+    n_groups, agreement = int(found.max()) + 1, adjusted_rand(found, labels)
     return tuple(
         Suspect(feature=name, kind=kind, n_groups=n_groups, agreement=agreement)
         for name, kind in kinds.items()
@@ -153,8 +148,3 @@ def _is_task(variant: IntArray, low: FloatArray, high: FloatArray) -> bool:
     whole = float(most.max() - least.min())
     single: BoolArray = (most - least) <= _CONSTANT * whole
     return whole > 0 and bool(single.all())
-
-
-def _is_swallowed(values: FloatArray) -> bool:
-    low, high = np.quantile(values, _NEARLY_ALL)
-    return bool(0.0 < high - low < _SWALLOWED * values.std())

@@ -51,11 +51,7 @@ def hanging(analysis: Analysis) -> tuple[str, ...]:
     """
     if len(analysis.groups) < 2:
         return ()
-    doubtful = [
-        one.feature
-        for one in analysis.suspects
-        if one.kind != "outlier" and one.agreement < _LIKE_ANOTHER
-    ]
+    doubtful = [one.feature for one in analysis.suspects if one.agreement < _LIKE_ANOTHER]
     alone = deciding_features(analysis.sensitivity, len(analysis.groups))
     return tuple(dict.fromkeys([*doubtful, *alone]))
 

@@ -15,8 +15,6 @@ from surmount.analysis.result import Analysis
 from surmount.analysis.trust import hanging, unstable_parts
 
 _FEW_TRIALS = 10
-_FEWEST_VARIANTS = 2
-"""Of so many, no link has a side with a usual gap."""
 _TOLD_APART = 0.05
 """Probability below which the success rates of two groups are told apart."""
 
@@ -66,12 +64,6 @@ def _about_features(analysis: Analysis) -> list[str]:
     found: list[str] = []
     hung_on = hanging(analysis)
     for one in analysis.suspects:
-        if one.kind == "outlier":
-            found.append(
-                f"A few values of `{one.feature}` are so far out that nearly all others look "
-                "alike to the mixtures. Clip it, or drop the trials with the outliers."
-            )
-            continue
         hang = f", and the groups hang on it ({_groups(one.n_groups)} without it)"
         found.append(
             f"`{one.feature}` {_SUSPECTED[one.kind]}{hang if one.feature in hung_on else ''}. If "
@@ -129,15 +121,6 @@ def _about_groups(analysis: Analysis) -> list[str]:
             f"Behaviour changes abruptly, but only around groups of at most "
             f"{analysis.merges[0].limit} variants ({small}), which were merged: all variants form "
             "one group. Lower `small_group_size` to keep them, or record variants in between."
-        )
-    elif (
-        len(analysis.groups) == 1
-        and analysis.variants.shape[0] <= _FEWEST_VARIANTS
-        and (analysis.cut.method == "abrupt")
-    ):
-        found.append(
-            f"With {analysis.variants.shape[0]} variants no cut is possible: what change between "
-            "them is usual is not known. Record trials on more variants."
         )
     elif len(analysis.groups) == 1:
         found.append("No abrupt change of behaviour was found: all variants form one group.")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import polars as pl
@@ -45,6 +45,8 @@ class Source:
         Whether numbers may have commas for decimals, because columns are separated otherwise.
     notes
         What was left out while it was opened, in sentences.
+    axes
+        What it says itself of the axes of task parameters, in JSON form by parameter.
     explain
         Looks for what is wrong where Polars cannot read it, and raises it.
     """
@@ -54,6 +56,7 @@ class Source:
     place: Callable[[int], str] = _row_number
     decimal_commas: bool = False
     notes: tuple[str, ...] = ()
+    axes: Mapping[str, Any] = field(default_factory=dict[str, Any])
     explain: Callable[[], None] = _nothing_more_is_known
 
     def schema(self) -> dict[str, Any]:

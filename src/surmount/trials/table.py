@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from surmount.core.axis import axes_to_record
 from surmount.trials.columns import Columns
 from surmount.trials.frame_columns import open_frame
 from surmount.trials.log_folder import open_path
@@ -100,19 +101,17 @@ def write_trials(path: Path | str, trials: Trials) -> None:
     InputError
         If the path ends neither in ``.parquet`` nor in ``.csv``.
     """
-    write_columns(Path(path), trials_to_table(trials))
+    axes = axes_to_record(trials.axes, trials.parameters)
+    write_columns(Path(path), trials_to_table(trials), axes)
 
 
 def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
     """Return trials as columns of equal length, one row per control step; names stay names."""
     lengths = trials.lengths
     table: dict[str, np.ndarray[Any, Any]] = {}
-    for index, name in enumerate(trials.parameters):
+    for index, (name, axis) in enumerate(zip(trials.parameters, trials.axes, strict=True)):
         column = "variant" if trials.parameters == ("variant",) else f"variant.{name}"
-        values = trials.variant[:, index]
-        categories = trials.categories[index] if trials.categories else ()
-        if categories:
-            values = np.asarray(categories)[values.astype(np.int64)]
+        values = np.array([axis.value(float(one)) for one in trials.variant[:, index]])
         table[column] = np.repeat(values, lengths)
     network = trials.network
     if trials.network_names:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import secrets
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from surmount.trials.source import POLARS_ERRORS, Source
 
 TABLE_SCHEMA = "1"
 _SCHEMA_KEY = "surmount.trials"
+_AXES_KEY = "surmount.axes"
 _ARROW_ENDINGS = (".arrow", ".feather", ".ipc")
 _COMPRESSED = (".gz", ".zst", ".zstd")
 ENDINGS = (".parquet", *_ARROW_ENDINGS, *CSV_ENDINGS)
@@ -52,15 +55,18 @@ def open_file(path: Path) -> Source:
     if kind in CSV_ENDINGS:
         return open_csv(path)
     if kind == ".parquet":
-        _check_version(path)
-        return Source(name=str(path), frame=pl.scan_parquet(path))
+        axes = _axes_said(path)
+        return Source(name=str(path), frame=pl.scan_parquet(path), axes=axes)
     return Source(name=str(path), frame=pl.scan_ipc(path))
 
 
-def _check_version(path: Path) -> None:
+def _axes_said(path: Path) -> Mapping[str, Any]:
+    """Return what a Parquet file says of axes, if its version is one that is read here."""
     try:
-        version = pl.read_parquet_metadata(path).get(_SCHEMA_KEY, TABLE_SCHEMA)
-    except (OSError, *POLARS_ERRORS) as error:
+        metadata = pl.read_parquet_metadata(path)
+        version = metadata.get(_SCHEMA_KEY, TABLE_SCHEMA)
+        axes = json.loads(metadata.get(_AXES_KEY, "{}"))
+    except (OSError, ValueError, *POLARS_ERRORS) as error:
         raise InputError(
             f"{path} cannot be read as a table: it is damaged, or no Parquet.",
             remedy="Give the path of a readable table.",
@@ -71,10 +77,18 @@ def _check_version(path: Path) -> None:
             f"{TABLE_SCHEMA}.",
             remedy="Read it with the version of Surmount that wrote it, and write CSV.",
         )
+    return axes if isinstance(axes, dict) else {}
 
 
-def write_columns(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> None:
-    """Write columns of equal length as Parquet or CSV, whole or not at all."""
+def write_columns(
+    path: Path,
+    columns: Mapping[str, np.ndarray[Any, Any]],
+    axes: Mapping[str, Any] = MappingProxyType({}),
+) -> None:
+    """Write columns of equal length as Parquet or CSV, whole or not at all.
+
+    Parquet also holds what ``axes`` says of task parameters; CSV has no place for it.
+    """
     kind = path.suffix.lower()
     if kind not in (".parquet", ".csv"):
         raise InputError(
@@ -86,7 +100,8 @@ def write_columns(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> No
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
         if kind == ".parquet":
-            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA})
+            said = {_AXES_KEY: json.dumps(dict(axes))} if axes else {}
+            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **said})
         else:
             flags = pl.selectors.boolean().cast(pl.Int8)
             frame.with_columns(flags).write_csv(temporary)

@@ -9,7 +9,9 @@ import numpy as np
 import polars as pl
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.names import is_printable
+from surmount.core.axis import CONTINUOUS, Axes, Axis, stored_values, variant_text
+from surmount.core.errors import SurmountError
+from surmount.core.names import LONGEST_NAME, is_printable
 from surmount.trials.column_types import Field, Plan, plan_reading
 from surmount.trials.columns import TIME, Columns
 from surmount.trials.roles import MARK_OF_END, Roles
@@ -72,8 +74,13 @@ def read_source(
     features = reader.features(rows)
     if columns.mapped:
         _check_numbering(rows, reader, features)
-    problems.raise_if_any(source.name)
     network, names = reader.numbered("network", rows)
+    if not all(map(is_printable, names)):
+        problems.add(
+            f"the name of a network has control characters or over {LONGEST_NAME} characters",
+            "Give networks short names of letters and digits.",
+        )
+    problems.raise_if_any(source.name)
     return Trials(
         parameters=tuple(plan.parameters),
         feature_names=tuple(plan.features),
@@ -84,7 +91,7 @@ def read_source(
         starts=rows.starts,
         features=features,
         network_names=names,
-        categories=reader.categories,
+        axes=reader.axes,
         notes=(*source.notes, *roles.notes, *reader.notes),
     )
 
@@ -119,34 +126,43 @@ class _Reader:
             elif one:
                 note_bad_labels(one, frame[name], source, problems)
         self.identified = len(problems.found) == before
-        self.categories = self._coded(parameters)
+        self.axes = self._on_axes(parameters)
 
-    def _coded(self, parameters: dict[str, Field]) -> tuple[tuple[str, ...], ...]:
-        """Put numbers for the names of categories; return the names by parameter."""
-        if not any(one.kind == "category" for one in parameters.values()):
+    def _on_axes(self, parameters: dict[str, Field]) -> Axes:
+        """Put numbers for the names of categories; return the axes that parameters lie on.
+
+        Names are categories in alphabetical order, numbers continuous, unless the file says more.
+        """
+        if not self.identified:
             return ()
-        found: list[tuple[str, ...]] = []
+        axes: list[Axis] = []
         for (column, one), name in zip(parameters.items(), self.plan.parameters, strict=True):
-            names: tuple[str, ...] = ()
-            if one.kind == "category":
-                names = tuple(self._frame[column].drop_nulls().unique().sort().to_list())
-                code = pl.col(column).replace_strict(
-                    names, range(len(names)), default=0.0, return_dtype=pl.Float64
-                )
-                self._frame = self._frame.with_columns(code)
-                unfit = [word for word in names if not is_printable(word)]
-                if unfit:
-                    self.problems.add(
-                        f"`{one.name}` has a name with control characters, or a very long one",
-                        "Give variants short names of letters and digits.",
+            given = self._frame[column].unique().sort().to_list()
+            axis = CONTINUOUS
+            try:
+                if one.kind == "category":
+                    axis = Axis(kind="categorical", names=tuple(given))
+                if name in self.source.axes:
+                    axis = Axis.from_record(self.source.axes[name])
+                elif axis.categorical:
+                    self.notes.append(
+                        f"`{one.name}` holds names: `{name}` is read as a category of "
+                        f"{len(given)} kinds ({', '.join(given[:5])}"
+                        f"{', …' if len(given) > 5 else ''})."
                     )
-                self.notes.append(
-                    f"`{one.name}` holds names: `{name}` is read as a category of "
-                    f"{len(names)} kinds ({', '.join(names[:5])}"
-                    f"{', …' if len(names) > 5 else ''})."
+                values = stored_values(name, given, axis) if axis != CONTINUOUS else None
+            except (SurmountError, KeyError, TypeError, AttributeError) as error:
+                why = error.message if isinstance(error, SurmountError) else "damaged"
+                self.problems.add(
+                    f"`{one.name}` does not lie on its axis ({why.rstrip('.')})",
+                    "Give variants short names or numbers; write the table by `write_trials`.",
                 )
-            found.append(names)
-        return tuple(found)
+                axis, values = CONTINUOUS, np.arange(float(len(given)))
+            if values is not None:
+                code = pl.col(column).replace_strict(given, values, return_dtype=pl.Float64)
+                self._frame = self._frame.with_columns(code)
+            axes.append(axis)
+        return tuple(axes)
 
     def groups(self) -> RowGroups:
         """Return which rows each trial has."""
@@ -250,36 +266,31 @@ def _check_variants(
     minimum_variants: int,
     minimum_samples: int,
 ) -> None:
-    problems, categories = reader.problems, reader.categories or ((),) * variant.shape[1]
+    problems, axes = reader.problems, reader.axes
     variants, index = np.unique(variant, axis=0, return_inverse=True)
     counts = np.bincount(index.reshape(-1), weights=lengths).astype(np.int64)
-
-    def text(values: FloatArray) -> str:
-        return ", ".join(
-            names[round(value)] if names else f"{value:g}"
-            for value, names in zip(values.tolist(), categories, strict=True)
-        )
-
     if variants.shape[0] < minimum_variants:
         problems.add(
-            f"there is only one variant ({text(variants[0])})"
+            f"there is only one variant ({variant_text(axes, variants[0])})"
             if variants.shape[0] == 1
             else f"there are only {variants.shape[0]} variants",
             f"Record trials on at least {minimum_variants} variants of the task.",
         )
-    for column, names in zip(variants.T, categories, strict=True):
+    for axis, column in zip(axes, variants.T, strict=True):
+        if axis.discrete:
+            continue
         values = np.unique(column)
         close = np.flatnonzero(np.diff(values) <= _SAME * np.abs(values[1:]))
         for left, right in zip(values[close], values[close + 1], strict=True):
-            if not names:
-                problems.add(
-                    f"variants {float(left)!r} and {float(right)!r} differ by rounding only",
-                    "Write the same number on all rows of a variant.",
-                )
+            problems.add(
+                f"variants {float(left)!r} and {float(right)!r} differ by rounding only",
+                "Write the same number on all rows of a variant.",
+            )
     for values, count in zip(variants, counts.tolist(), strict=True):
         if count < minimum_samples:
             problems.add(
-                f"variant {text(values)} has {count} rows, fewer than {minimum_samples}",
+                f"variant {variant_text(axes, values)} has {count} rows, fewer than "
+                f"{minimum_samples}",
                 "Record more trials on it, or leave the variant out.",
             )
 

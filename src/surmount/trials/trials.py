@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.axis import (
+    Axes,
+    Axis,
+    AxisKind,
+    common_axes,
+    declared,
+    full_axes,
+    stored_values,
+)
 from surmount.core.errors import InputError
 
 
@@ -37,11 +46,11 @@ class Trials:
         One row per control step, shape ``(sample, feature)``.
     network_names
         Name of each network by its index; empty where networks have numbers only.
-    categories
-        For each parameter the names of its kinds, by the number that stands for them in
-        ``variant``, empty for a parameter that is a number; empty where all are.
     notes
         What a reader must know of how these trials were read, in sentences.
+    axes
+        One for each task parameter, see :mod:`surmount.core.axis`; all are continuous where none
+        are given.
     """
 
     parameters: tuple[str, ...]
@@ -53,10 +62,11 @@ class Trials:
     starts: IntArray
     features: FloatArray
     network_names: tuple[str, ...] = ()
-    categories: tuple[tuple[str, ...], ...] = ()
     notes: tuple[str, ...] = ()
+    axes: Axes = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", full_axes(self.axes, self.parameters))
         trials = self.n_trials
         expected = {
             "variant": (self.variant.shape, (trials, len(self.parameters))),
@@ -71,12 +81,6 @@ class Trials:
                     f"Trials: `{name}` has shape {found}, expected {wanted}.",
                     remedy="Give one row per trial, and one feature row per control step.",
                 )
-        if self.categories and len(self.categories) != len(self.parameters):
-            raise InputError(
-                f"Trials: there are categories for {len(self.categories)} of "
-                f"{len(self.parameters)} parameters.",
-                remedy="Give the names of each parameter's kinds, none for a number.",
-            )
         steps = np.diff(self.starts)
         if trials == 0 or (steps < 1).any() or self.starts[0] != 0:
             raise InputError(
@@ -157,21 +161,67 @@ class Trials:
             starts=np.concatenate([[0], np.cumsum(self.lengths[mask])]).astype(np.int64),
             features=self.features[rows],
             network_names=self.network_names,
-            categories=self.categories,
             notes=self.notes,
+            axes=self.axes,
         )
+
+    def on(self, axes: Axes) -> Trials:
+        """Return the trials on other axes; categories keep their names.
+
+        Raises
+        ------
+        InputError
+            If a variant cannot lie on its new axis.
+        """
+        if axes == self.axes:
+            return self
+        columns = zip(self.axes, axes, self.parameters, self.variant.T, strict=True)
+        variant = np.stack([_moved(old, new, name, one) for old, new, name, one in columns], 1)
+        return replace(self, variant=variant, axes=axes)
+
+    def declared(self, kinds: Mapping[str, AxisKind]) -> Trials:
+        """Return the trials with task parameters of other kinds than their table told.
+
+        Parameters
+        ----------
+        kinds
+            By parameter; numbers that are said to be categories are named as they are written.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter, or its values cannot lie on such an axis.
+        """
+        unknown = sorted(kinds.keys() - set(self.parameters))
+        if unknown:
+            raise InputError(
+                f"The trials have no task parameter `{unknown[0]}`.",
+                remedy=f"They have {', '.join(self.parameters)}.",
+            )
+        axes, variant = list(self.axes), self.variant.copy()
+        for place, name in enumerate(self.parameters):
+            if name in kinds:
+                axes[place], variant[:, place] = declared(
+                    axes[place], variant[:, place], kinds[name], name
+                )
+        return replace(self, variant=variant, axes=tuple(axes))
 
     @classmethod
     def concatenate(cls, parts: Sequence[Trials]) -> Trials:
-        """Join trials of the same task family and features, in the order given."""
+        """Join trials of the same task family and features, in the order given.
+
+        Categories are those of all parts.
+        """
         first = parts[0]
         for part in parts[1:]:
             if _made_of(part) != _made_of(first):
                 raise InputError(
-                    f"Trials to join differ in parameters, features or kinds: {_made_of(first)} "
+                    f"Trials to join differ in parameters or features: {_made_of(first)} "
                     f"and {_made_of(part)}.",
                     remedy="Join only trials of one task family, logged alike.",
                 )
+        axes = common_axes([part.axes for part in parts], first.parameters)
+        parts = [part.on(axes) for part in parts]
         lengths = np.concatenate([part.lengths for part in parts])
         network, names = _pooled_networks(parts)
         return cls(
@@ -183,14 +233,14 @@ class Trials:
             success=np.concatenate([part.success for part in parts]),
             starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
             features=np.concatenate([part.features for part in parts]),
+            axes=axes,
             network_names=names,
-            categories=first.categories,
             notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         )
 
 
 def _made_of(trials: Trials) -> tuple[object, ...]:
-    return trials.parameters, trials.feature_names, trials.categories
+    return trials.parameters, trials.feature_names
 
 
 def _pooled_networks(parts: Sequence[Trials]) -> tuple[IntArray, tuple[str, ...]]:
@@ -200,6 +250,12 @@ def _pooled_networks(parts: Sequence[Trials]) -> tuple[IntArray, tuple[str, ...]
     called = [[part.network_name(one) for one in part.network.tolist()] for part in parts]
     names, number = np.unique(np.concatenate(called), return_inverse=True)
     return number.reshape(-1).astype(np.int64), tuple(names.tolist())
+
+
+def _moved(old: Axis, new: Axis, name: str, column: FloatArray) -> FloatArray:
+    distinct, which = np.unique(column, return_inverse=True)
+    values = [old.value(float(one)) for one in distinct]
+    return stored_values(name, values, new)[which.reshape(-1)]
 
 
 def success_rates(variant: FloatArray, network: IntArray, success: BoolArray) -> FloatArray:
