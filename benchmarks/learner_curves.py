@@ -54,7 +54,7 @@ class PointMass:
 
     task_parameters: tuple[str, ...] = ("goal_m",)
     feature_names: tuple[str, ...] = ("time_s", "position_m")
-    decision_interval_s: float = DECISION_S
+    step_s: float = DECISION_S
     render_mode: str | None = None
     single_observation_space = gymnasium.spaces.Box(-10, 10, (4,), np.float32)
     single_action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)

@@ -27,7 +27,7 @@ from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import SilentMonitor
 
 CHANGES = {
-    "env.decision_interval_s": 0.005,
+    "env.step_s": 0.005,
     "env.episode_s": 1.0,
     "learner.num_envs": 64,
     "learner.hidden_layers": [16, 16],

@@ -119,7 +119,7 @@ def run_piece(task):
     root = np.random.SeedSequence([seed, list(OBSTACLES).index(obstacle), piece])
     env_seed, action_seed = root.generate_state(2)
     actions = RandomActions(
-        np.random.default_rng(action_seed), num_envs, config.decision_interval_s
+        np.random.default_rng(action_seed), num_envs, config.step_s
     )
     _, infos = env.reset(seed=int(env_seed))
     worst = {name: Worst() for name in LARGEST}
@@ -160,7 +160,7 @@ def run_piece(task):
         "obstacle": obstacle,
         "piece": piece,
         "steps": decisions * num_envs,
-        "ticks": decisions * num_envs * config.ticks_per_decision,
+        "ticks": decisions * num_envs * config.physics_steps_per_step,
         "seconds": time.process_time() - begin,
         "counts": counts | {"warnings": int(env.simulation.batch.warning.sum())},
         "deeper": deeper,

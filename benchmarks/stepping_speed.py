@@ -66,7 +66,7 @@ class Bare:
     def __init__(self, num_envs, n_threads):
         env = ObstacleVectorEnv(OBSTACLE, num_envs, n_threads=1)
         env.reset(seed=0, options=OPTIONS)
-        self.model, self.ticks = env.simulation.model, env.config.ticks_per_decision
+        self.model, self.ticks = env.simulation.model, env.config.physics_steps_per_step
         self.start = env.state_dict()["simulation"]
         names = [self.model.actuator(i).name.split("_")[-1] for i in range(self.model.nu)]
         self.kind = np.array([{"fbem": 1, "sprawl": 2}.get(name, 0) for name in names])

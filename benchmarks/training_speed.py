@@ -199,7 +199,7 @@ def physics_round(obstacle):
     """Return a function that calls ``mj_step`` alone on nine simulations, as a roll-out does."""
     env = ObstacleVectorEnv(obstacle, CONFIG.num_envs, n_threads=1)
     env.reset(seed=0)
-    simulation, ticks = env.simulation, env.config.ticks_per_decision
+    simulation, ticks = env.simulation, env.config.physics_steps_per_step
     model = simulation.model
     start = [simulation.batch.get_data(index) for index in range(CONFIG.num_envs)]
     controls = np.random.default_rng(0).uniform(-1, 1, (200, CONFIG.num_envs, model.nu))

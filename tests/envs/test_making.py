@@ -65,8 +65,8 @@ def test_an_error_with_its_own_remedy_keeps_both():
 
 
 def test_arguments_with_defaults_need_not_be_given():
-    assert make_task_env(lambda env=None, *rest, **more: make_point(env)).decision_s == 0.05
-    assert make_task_env(functools.partial(make_point, PointEnv())).decision_s == 0.05
+    assert make_task_env(lambda env=None, *rest, **more: make_point(env)).step_s == 0.05
+    assert make_task_env(functools.partial(make_point, PointEnv())).step_s == 0.05
 
 
 def test_the_shortest_limit_around_an_environment_counts():

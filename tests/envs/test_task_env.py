@@ -68,7 +68,7 @@ def test_a_distribution_holds_in_the_vector_envs_of_gymnasium(mode):
 
 def test_the_batch_resets_in_the_same_step_and_tells_the_last_infos():
     batch = TaskBatch(make_env, 3)
-    assert batch.decision_interval_s == batch.envs[0].decision_s
+    assert batch.step_s == batch.envs[0].step_s
     batch.set_task_distribution(NARROW)
     _, infos = batch.reset(seed=1)
     before = infos["variant"].copy()

@@ -46,7 +46,7 @@ class TaskBatch:
         first = self.envs[0]
         self.task_parameters = first.task_parameters
         self.feature_names = first.feature_names
-        self.decision_interval_s = first.decision_s
+        self.step_s = first.step_s
         self.single_observation_space = _box(first.observation_space, "observations")
         self.single_action_space = _box(first.action_space, "actions")
         self._autoreset = autoreset

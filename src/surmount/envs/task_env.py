@@ -69,7 +69,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         there when an episode ends.
     features
         What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
-    decision_s
+    step_s
         Seconds per decision; by default the innermost environment's ``dt``, else one over its
         ``render_fps``, else 1.
     end_on_success
@@ -91,7 +91,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         set_task: SetTask | str,
         success: str | Callable[[Transition], bool],
         features: Mapping[str, Feature],
-        decision_s: float | None = None,
+        step_s: float | None = None,
         end_on_success: bool = False,
         observe_task: bool = False,
     ) -> None:
@@ -104,7 +104,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self.space = space
         self.task_parameters = space.parameters
         self.feature_names = ("time_s", *features)
-        self.decision_s = _decision_s(env) if decision_s is None else float(decision_s)
+        self.step_s = _step_s(env) if step_s is None else float(step_s)
         self._set_task = set_task
         self._success = success
         self._features = dict(features)
@@ -243,7 +243,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def _judged(self, transition: Transition, *, diverged: bool) -> dict[str, Any]:
         reached = not diverged and self._reached(transition)
-        values = [len(self._actions) * self.decision_s]
+        values = [len(self._actions) * self.step_s]
         for name, feature in self._features.items():
             if callable(feature):
                 values.append(float(feature(transition)))
@@ -292,7 +292,7 @@ def _is_finite(observation: Any) -> bool:
     return bool(np.isfinite(np.asarray(observation)).all())
 
 
-def _decision_s(env: gymnasium.Env[Any, Any]) -> float:
+def _step_s(env: gymnasium.Env[Any, Any]) -> float:
     inner: Any = env.unwrapped
     if isinstance(getattr(inner, "dt", None), int | float):
         return float(inner.dt)

@@ -16,13 +16,13 @@ class TaskVectorEnv(Protocol):
 
     It resets an environment in the same step in which its episode ended
     (``AutoresetMode.SAME_STEP``) and puts ``variant``, ``is_success``, ``diverged`` and
-    ``features`` into its infos, one row per environment. A decision takes ``decision_interval_s``.
+    ``features`` into its infos, one row per environment. A decision takes ``step_s``.
     """
 
     task_parameters: tuple[str, ...]
     feature_names: tuple[str, ...]
     num_envs: int
-    decision_interval_s: float
+    step_s: float
     render_mode: str | None
 
     @property

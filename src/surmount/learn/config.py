@@ -28,7 +28,7 @@ POSITIVE = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class PerDecision:
+class PerStep:
     """What a learner's times in seconds are worth from one decision to the next.
 
     Attributes
@@ -204,7 +204,7 @@ class LearnerConfig:
         """Learning steps between two updates, over all environments."""
         return self.num_envs * self.rollout_steps
 
-    def at_interval(self, decision_interval_s: float) -> PerDecision:
+    def at_interval(self, step_s: float) -> PerStep:
         """Return what the times in seconds are worth per decision.
 
         Raises
@@ -213,17 +213,17 @@ class LearnerConfig:
             If a time is given and the environment does not say how long a decision takes.
         """
         times = (self.discount_time_s, self.gae_time_s, self.noise_correlation_s or None)
-        if any(times) and not 0 < decision_interval_s < math.inf:
+        if any(times) and not 0 < step_s < math.inf:
             raise ConfigError(
-                f"A decision of the environment takes {decision_interval_s} s, and the learner has "
+                f"A decision of the environment takes {step_s} s, and the learner has "
                 "times in seconds.",
-                remedy="Give the environment its `decision_s`, or the learner `learner.discount` "
+                remedy="Give the environment its `step_s`, or the learner `learner.discount` "
                 "and `learner.gae_lambda`, and no correlation of its noise.",
             )
         discount, gae_lambda, correlation = (
-            None if time_s is None else math.exp(-decision_interval_s / time_s) for time_s in times
+            None if time_s is None else math.exp(-step_s / time_s) for time_s in times
         )
-        return PerDecision(
+        return PerStep(
             discount=self.discount if discount is None else discount,
             gae_lambda=self.gae_lambda if gae_lambda is None else gae_lambda,
             noise_correlation=correlation or 0.0,

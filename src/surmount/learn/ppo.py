@@ -16,7 +16,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import explained_variance, update_learning_rate
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from surmount.learn.config import LearnerConfig, PerDecision
+from surmount.learn.config import LearnerConfig, PerStep
 from surmount.learn.decay import Decayed
 from surmount.learn.faults import is_sound_update
 from surmount.learn.initialisation import initialise
@@ -69,7 +69,7 @@ class ResumablePPO(PPO):
 
     @classmethod
     def build(
-        cls, env: VecNormalize, config: LearnerConfig, rates: PerDecision, seed: int
+        cls, env: VecNormalize, config: LearnerConfig, rates: PerStep, seed: int
     ) -> ResumablePPO:
         """Return a new learner; the seed also sets the global generators it draws from.
 

@@ -33,7 +33,7 @@ ACTION_DIVISOR = "action_divisor"
 """Key of a network's record: what draws are divided by before clipping; 1 where it is missing."""
 NOISE = "exploration_noise"
 """Key of a network's record: how its exploration noise is correlated over time; not at all where it
-is missing. Holds ``correlation_s`` and the ``decision_interval_s`` at which it learnt."""
+is missing. Holds ``correlation_s`` and the ``step_s`` at which it learnt."""
 _ACTING = ("policy/", "normaliser/observation/")
 _JUDGING = ("policy/value_net.", "policy/mlp_extractor.value_net.")
 
@@ -167,7 +167,7 @@ def noise_correlation(network: Snapshot) -> float:
     if noise is None:
         return 0.0
     try:
-        time_s, interval_s = noise["correlation_s"], noise["decision_interval_s"]
+        time_s, interval_s = noise["correlation_s"], noise["step_s"]
     except (KeyError, TypeError):
         raise _wrong_record(NOISE, noise) from None
     if not (_is_positive(time_s) and _is_positive(interval_s)):

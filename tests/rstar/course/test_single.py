@@ -13,7 +13,7 @@ from surmount.rstar.robot.config import RobotConfig
 
 IDS = [obstacle.gym_id for obstacle in OBSTACLES.values()]
 FIXED = {"start": "fixed"}
-SLOWER = EnvConfig(decision_interval_s=0.02)
+SLOWER = EnvConfig(step_s=0.02)
 """Fifty decisions a second, 1,000 an episode."""
 
 

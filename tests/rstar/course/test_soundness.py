@@ -8,7 +8,7 @@ from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.robot.config import RobotConfig
 
-TICK = EnvConfig(decision_interval_s=RobotConfig().physics_tick_s)
+TICK = EnvConfig(step_s=RobotConfig().physics_step_s)
 """Decisions of one tick: what the cheap looks see is the state that was planted."""
 STEP_MM = 40.0
 

@@ -58,14 +58,14 @@ def test_a_manoeuvre_plays_the_same_in_the_search_and_in_the_environment():
         "narrow-channel", 1, config=config, autoreset_mode=AutoresetMode.DISABLED
     )
     obs, _ = env.reset(seed=0, options={"variant": 250.0, "start": "fixed"})
-    player = Player([manoeuvre], config.decision_interval_s)
+    player = Player([manoeuvre], config.step_s)
     for step in range(500):  # noqa: B007
         obs, _, terminated, _, infos = env.step(player.act(-0.3 * obs[:, 4]))
         if terminated[0]:
             break
     assert trials.success[0]
     assert infos["is_success"][0]
-    assert trials.time_s[0] == pytest.approx((step + 1) * config.decision_interval_s, abs=1e-9)
+    assert trials.time_s[0] == pytest.approx((step + 1) * config.step_s, abs=1e-9)
 
 
 def test_the_search_opens_a_channel_that_the_start_pose_does_not_fit():

@@ -107,10 +107,10 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
             **type(self).metadata,
-            "render_fps": round(1 / self.config.decision_interval_s),
+            "render_fps": round(1 / self.config.step_s),
             "autoreset_mode": self.autoreset_mode,
         }
-        self.decision_interval_s: float = self.config.decision_interval_s
+        self.step_s: float = self.config.step_s
         self.task_parameters: tuple[str, ...] = (self.obstacle.parameter,)
         self.feature_names: tuple[str, ...] = FEATURE_NAMES
         terms = observation_terms(self.obstacle, targets=self.config.observe_targets)
@@ -122,7 +122,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
 
         threads = choose_threads(n_threads, num_envs)
         self.simulation = Simulation(self.obstacle, self.config, num_envs, threads)
-        self._pictures = Pictures(self.simulation, render_mode, self.config.decision_interval_s)
+        self._pictures = Pictures(self.simulation, render_mode, self.config.step_s)
         self._distribution = TaskDistribution.uniform(
             self.task_parameters,
             np.array([self.obstacle.lower]),

@@ -170,7 +170,7 @@ class EnvConfig:
     """Whether the targets of the speed, FBEM and sprawl servos are observed. They integrate the
     actions, and where the robot is blocked they run ahead of the measured angles, which a policy
     otherwise does not see; the paper's policy does not."""
-    decision_interval_s: float = 0.01
+    step_s: float = 0.01
     """Time between decisions in s, during which the action is re-applied at every physics tick:
     chosen because success after the initiation then comes closest to the paper's table 1 (ADR 21).
     The makers' simulation decides every 5 ms."""
@@ -178,22 +178,22 @@ class EnvConfig:
     """Cap of an episode in s; the paper."""
 
     def __post_init__(self) -> None:
-        require_range("decision_interval_s", self.decision_interval_s, 0.0005, 1.0)
-        require_range("episode_s", self.episode_s, self.decision_interval_s, 3600.0)
-        ticks = self.decision_interval_s / self.robot.physics_tick_s
+        require_range("step_s", self.step_s, 0.0005, 1.0)
+        require_range("episode_s", self.episode_s, self.step_s, 3600.0)
+        ticks = self.step_s / self.robot.physics_step_s
         if not math.isclose(ticks, round(ticks), rel_tol=1e-9) or round(ticks) < 1:
             raise ConfigError(
-                f"`decision_interval_s` is {self.decision_interval_s!r}, which is not a multiple "
-                f"of `robot.physics_tick_s` = {self.robot.physics_tick_s!r}.",
+                f"`step_s` is {self.step_s!r}, which is not a multiple "
+                f"of `robot.physics_step_s` = {self.robot.physics_step_s!r}.",
                 remedy="Give a whole number of physics ticks.",
             )
 
     @property
-    def ticks_per_decision(self) -> int:
+    def physics_steps_per_step(self) -> int:
         """Physics ticks between two decisions."""
-        return round(self.decision_interval_s / self.robot.physics_tick_s)
+        return round(self.step_s / self.robot.physics_step_s)
 
     @property
     def steps_per_episode(self) -> int:
         """Decisions until the cap: S_m of eq. 6."""
-        return math.ceil(self.episode_s / self.decision_interval_s - 1e-9)
+        return math.ceil(self.episode_s / self.step_s - 1e-9)

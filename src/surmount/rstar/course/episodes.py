@@ -55,7 +55,7 @@ class Episodes:
         self._start_height_m = start_height_m(config)
         self.target_point_m: FloatArray = np.zeros((3, num_envs))
         self.target_point_m[0] = course.target_m
-        self.interval_s: FloatArray = np.array(config.decision_interval_s)
+        self.interval_s: FloatArray = np.array(config.step_s)
         self.target_m: FloatArray = np.array(course.target_m)
         self._lowest_m: FloatArray = np.array(-course.fall_depth_m)
         self._cap = config.steps_per_episode
@@ -69,7 +69,7 @@ class Episodes:
         self.diverged: BoolArray = np.zeros(num_envs, dtype=np.bool_)
         self.completion_time_s: FloatArray = np.full(num_envs, self._cap_s)
         self.any_over = False
-        self._decisions_left = 0
+        self._steps_left = 0
 
     def begin(self, envs: IntArray) -> None:
         """Begin an episode in each of ``envs``."""
@@ -107,11 +107,11 @@ class Episodes:
         """
         self.path_deg += change_deg
         self.steps += _ONE if running is None else running
-        self._decisions_left -= 1
+        self._steps_left -= 1
         reached = now.x_m >= self.target_m
         fell = now.z_m < self._lowest_m
         ended: BoolArray = reached | fell
-        if self._decisions_left <= 0:
+        if self._steps_left <= 0:
             ended |= self.steps >= self._cap
         ended |= diverged
         if running is not None:
@@ -134,7 +134,7 @@ class Episodes:
         """Work out what changes only when episodes begin or end."""
         over = self.over
         self.any_over = bool(over.any())
-        self._decisions_left = self._cap - int(self.steps[~over].max(initial=0))
+        self._steps_left = self._cap - int(self.steps[~over].max(initial=0))
         self.completion_time_s = np.where(self.success, self.steps * self.interval_s, self._cap_s)
         surface = surface_m(self._obstacle, self._course, self._course.target_m, self.variant[:, 0])
         self.target_point_m[2] = surface + self._start_height_m

@@ -49,7 +49,7 @@ class Randomiser:
         self.factors: FloatArray = np.ones((num_envs, len(FACTORS)))
         self.delay: DelayLine | None = None
         if config.delays:
-            self.delay = DelayLine(num_envs, n_actions, config.action_delay_decisions[1])
+            self.delay = DelayLine(num_envs, n_actions, config.action_delay_steps[1])
         self.noise: FloatArray | None = None
         if config.is_noisy:
             self.noise = np.zeros((len(terms), num_envs))

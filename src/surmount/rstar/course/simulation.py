@@ -55,7 +55,7 @@ class Simulation:
         self.batch = Batch(self.model, num_envs, min(n_threads, num_envs))
         self._obstacle = obstacle
         self._config = config
-        self._ticks = config.ticks_per_decision
+        self._ticks = config.physics_steps_per_step
         self._qpos: FloatArray = self.batch.bind("qpos")
         self._qvel: FloatArray = self.batch.bind("qvel")
         self._act: FloatArray = self.batch.bind("act")

@@ -127,7 +127,7 @@ def record_motion(
             break  # put back to where it was
         # The batch shows no ticks within a decision: repeat them, to the same bits (tested).
         data.ctrl[:] = controls[0]
-        for _ in range(config.ticks_per_decision):
+        for _ in range(config.physics_steps_per_step):
             mujoco.mj_step(model, data)
             qpos.append(data.qpos.copy())
     env.close()
@@ -138,7 +138,7 @@ def record_motion(
         caption=caption,
         outcome=_outcome(infos, ended=ended, time_s=float(features[-1][0])),
         success=bool(infos["is_success"][0]),
-        time_s=np.arange(len(qpos), dtype=np.float64) * config.robot.physics_tick_s,
+        time_s=np.arange(len(qpos), dtype=np.float64) * config.robot.physics_step_s,
         qpos=np.array(qpos),
         features=np.array(features),
     )

@@ -65,7 +65,7 @@ class RobotConfig:
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
     """Total mass in kg, the parts keeping the simulation's fractions; the simulation's sum."""
-    physics_tick_s: float = 0.0025
+    physics_step_s: float = 0.0025
     """Physics time step in s: the longest at which outcomes have converged (ADR 20). The makers'
     simulation ticks at 1 ms."""
     constraint_time_s: float = 0.01
@@ -101,13 +101,13 @@ class RobotConfig:
         require_range("friction", self.friction, 0.0, 5.0)
         require_range("body_friction", self.body_friction, 0.0, 5.0)
         require_range("mass_kg", self.mass_kg, 0.1, 20.0)
-        require_range("physics_tick_s", self.physics_tick_s, 0.0001, 0.01)
+        require_range("physics_step_s", self.physics_step_s, 0.0001, 0.01)
         require_range("constraint_time_s", self.constraint_time_s, 0.0, 0.1)
-        if self.constraint_time_s < 2 * self.physics_tick_s:
+        if self.constraint_time_s < 2 * self.physics_step_s:
             raise ConfigError(
                 f"`constraint_time_s` is {self.constraint_time_s!r}, less than two ticks of "
-                f"{self.physics_tick_s!r} s: no contact as stiff can be integrated.",
-                remedy=f"Give at least {2 * self.physics_tick_s:g}, or shorten the tick.",
+                f"{self.physics_step_s!r} s: no contact as stiff can be integrated.",
+                remedy=f"Give at least {2 * self.physics_step_s:g}, or shorten the tick.",
             )
         positive = (
             "sprawl_stiffness_nmprad",

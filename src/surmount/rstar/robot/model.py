@@ -46,7 +46,7 @@ def add_robot(spec: mujoco.MjSpec, config: RobotConfig) -> None:
     """
     spec.compiler.degree = False
     option = spec.option
-    option.timestep = config.physics_tick_s
+    option.timestep = config.physics_step_s
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     # A diverged state must be seen and reported, not replaced by the initial one.
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

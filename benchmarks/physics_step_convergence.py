@@ -1,6 +1,6 @@
 """Which physics tick is short enough: outcomes of the same manoeuvres at several ticks (ADR 20).
 
-    OMP_NUM_THREADS=1 python benchmarks/tick_convergence.py --frictions 1.3
+    OMP_NUM_THREADS=1 python benchmarks/physics_step_convergence.py --frictions 1.3
 
 A family of manoeuvres is drawn around those made by hand, each with a step of 30 to 46 mm. None is
 chosen by its success, which would favour the tick that it was tried at. A tick is short enough
@@ -57,7 +57,7 @@ def family(rng):
 
 def success_at(env, tick_ms, manoeuvres, sizes_mm):
     """Return which manoeuvres succeed at a tick."""
-    finer = replace(env, robot=replace(env.robot, physics_tick_s=tick_ms * 1e-3))
+    finer = replace(env, robot=replace(env.robot, physics_step_s=tick_ms * 1e-3))
     simulation = Simulation(find_obstacle("step"), finer, COUNT, 1)
     return try_out(simulation, finer, sizes_mm, manoeuvres, HORIZON_S).success
 
