@@ -95,7 +95,7 @@ def test_a_registration_with_a_limit_counts_where_there_is_no_wrapper():
 def test_a_registered_limit_that_nothing_keeps_is_found():
     finding = check_contract(lambda: registered(7))[-1]
     assert (finding.clause, finding.holds) == ("episodes end", False)
-    assert finding.sentence == "one had not ended after 7 decisions"
+    assert finding.sentence == "one had not ended after 7 steps"
 
 
 def test_a_family_takes_the_limit_of_a_wrapper(tmp_path, monkeypatch):

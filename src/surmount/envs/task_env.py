@@ -20,7 +20,7 @@ EPISODE_SEEDS = 2**31
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transition:
-    """What is known after a decision, or after a reset, to judge success and take features.
+    """What is known after a step, or after a reset, to judge success and take features.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     features
         What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
     step_s
-        Seconds per decision; by default the innermost environment's ``dt``, else one over its
+        Seconds per step; by default the innermost environment's ``dt``, else one over its
         ``render_fps``, else 1.
     end_on_success
         Whether an episode ends when the goal is reached.
@@ -161,7 +161,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         return self._begin(task, episode_seed, rest)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Take one decision; what is no longer finite ends the episode as diverged.
+        """Take one step; what is no longer finite ends the episode as diverged.
 
         Raises
         ------
@@ -200,7 +200,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> bool:
-        """Go back to a saved moment by taking the episode's decisions again.
+        """Go back to a saved moment by taking the episode's steps again.
 
         Returns
         -------

@@ -20,9 +20,9 @@ from surmount.tasks.distribution import TaskDistribution
 
 NAMES = tuple(OBSTACLES)
 SHORT = EnvConfig(step_s=0.02, episode_s=0.3)
-"""Episodes of 15 short decisions: resets happen often and cheaply."""
+"""Episodes of 15 short steps: resets happen often and cheaply."""
 TENTHS = EnvConfig(step_s=0.1)
-"""Ten decisions a second."""
+"""Ten steps a second."""
 
 
 def actions(steps, envs, seed=0):

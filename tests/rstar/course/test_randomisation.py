@@ -137,7 +137,7 @@ def test_on_a_slippery_ground_friction_and_not_the_servo_limits_the_acceleration
         env.step([[1.0, 0.0, 0.0]])
     gained = env.simulation.batch.bind("qvel")[0, 0] - before
     # Sliding tyres push with μ m g, whatever the wheels do: 0.51 m/s² instead of 1 m/s². The first
-    # decisions, in which the wheels are still too slow to slide, take a little off.
+    # steps, in which the wheels are still too slow to slide, take a little off.
     limit = env.config.robot.friction * factor * 9.81 * 15 * 0.02
     assert gained == pytest.approx(limit, rel=0.12)
     assert gained < 0.6 * 15 * 0.02
@@ -172,9 +172,7 @@ def test_noise_is_normal_has_the_stated_deviation_and_shows_in_nothing_but_obser
 
 
 def test_observed_targets_are_free_of_noise_and_those_of_the_actions_that_have_arrived():
-    noise = RandomisationConfig(
-        joint_noise_deg=5.0, speed_noise_mps=0.1, action_delay_steps=(2, 2)
-    )
+    noise = RandomisationConfig(joint_noise_deg=5.0, speed_noise_mps=0.1, action_delay_steps=(2, 2))
     config = EnvConfig(observe_targets=True, randomisation=noise)
     env = ObstacleVectorEnv("step", 2, config=config, n_threads=1)
     env.reset(seed=0, options={**FIXED, "variant": 30.0})

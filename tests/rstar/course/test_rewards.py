@@ -6,7 +6,7 @@ from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.config import EnvConfig, RewardConfig
 from surmount.rstar.course.rewards import Reward
 
-# 200 decisions in an episode.
+# 200 steps in an episode.
 CONFIG = EnvConfig(step_s=0.1, episode_s=20.0)
 REWARD = Reward(CONFIG)
 

@@ -14,7 +14,7 @@ from surmount.rstar.robot.config import RobotConfig
 IDS = [obstacle.gym_id for obstacle in OBSTACLES.values()]
 FIXED = {"start": "fixed"}
 SLOWER = EnvConfig(step_s=0.02)
-"""Fifty decisions a second, 1,000 an episode."""
+"""Fifty steps a second, 1,000 an episode."""
 
 
 @pytest.mark.parametrize("gym_id", IDS)

@@ -136,7 +136,7 @@ def test_a_trial_that_departs_from_its_log_is_drawn_from_the_log(root, table):
     log = run_log(open_run(root), "trials/network-0", replace(trials, features=altered), "log")
     motion = logged_motion(log, 3)
     assert CAPTION in motion.caption
-    assert "it departs after 0.50 s" in motion.caption  # the fifth decision of 0.1 s
+    assert "it departs after 0.50 s" in motion.caption  # the fifth step of 0.1 s
     assert "equal" in logged_motion(log, 4).caption
 
 

@@ -35,12 +35,14 @@ def test_a_motion_has_every_tick_of_the_episode_to_the_last_bit():
         observations, *_, infos = env.step(wriggle(observations, env.simulation.measure().x_m))
         qpos.append(positions[0].copy())
         features.append(infos["features"][0].copy())
-    ticks = CONFIG.physics_steps_per_step
-    assert len(motion.qpos) == 20 * ticks + 1
-    np.testing.assert_array_equal(motion.qpos[::ticks], qpos)
+    physics_steps = CONFIG.physics_steps_per_step
+    assert len(motion.qpos) == 20 * physics_steps + 1
+    np.testing.assert_array_equal(motion.qpos[::physics_steps], qpos)
     np.testing.assert_array_equal(motion.features, features)
-    np.testing.assert_allclose(motion.time_s[::ticks], motion.features[:, 0], atol=1e-12)
-    assert np.abs(np.diff(motion.qpos, axis=0)).max(axis=1).min() > 0  # every tick moves something
+    np.testing.assert_allclose(motion.time_s[::physics_steps], motion.features[:, 0], atol=1e-12)
+    assert (
+        np.abs(np.diff(motion.qpos, axis=0)).max(axis=1).min() > 0
+    )  # every physics step moves something
     assert not motion.success
     assert motion.outcome == "had not reached the target after 2.00 s"
 

@@ -201,8 +201,8 @@ def test_servo_targets_of_both_sides_stay_equal_and_carriers_parallel_under_load
     model, data = on_floor(config)
     rng = np.random.default_rng(0)
     worst = 0.0
-    for tick in range(round(20.0 / config.physics_step_s)):
-        if tick % round(0.2 / config.physics_step_s) == 0:
+    for step in range(round(20.0 / config.physics_step_s)):
+        if step % round(0.2 / config.physics_step_s) == 0:
             rate = {"sprawl": rng.uniform(-1, 1), "fbem": rng.uniform(-1, 1)}
             drive = rng.uniform(-1, 1)
             for i in range(model.nu):

@@ -123,7 +123,7 @@ class RewardConfig:
     """Weight of the change of the FBEM angle; the paper."""
     distance_unit_m: float = 0.01
     """Unit of D_z in m; assumed to be cm. What was learnt does not single it out: after 300,000
-    steps with decisions of 20 ms, m had overcome 100, 92 and 19 % of easy, medium and difficult
+    steps of 20 ms each, m had overcome 100, 92 and 19 % of easy, medium and difficult
     steps, cm 100, 96 and 31 % (ADR 21). ``docs/environments.md`` says what each unit costs a robot
     that is stuck."""
     distance_point: DistancePoint = field(default="body", metadata=absent("body"))
@@ -157,7 +157,7 @@ class EnvConfig:
     """An obstacle course: robot, course, starts, rewards and time."""
 
     robot: RobotConfig = field(default_factory=RobotConfig)
-    """The robot's open properties: gear, friction, servos, mass, physics tick."""
+    """The robot's open properties: gear, friction, servos, mass, physics step."""
     course: CourseConfig = field(default_factory=CourseConfig)
     """Dimensions of the course."""
     start: StartConfig = field(default_factory=StartConfig)
@@ -171,8 +171,8 @@ class EnvConfig:
     actions, and where the robot is blocked they run ahead of the measured angles, which a policy
     otherwise does not see; the paper's policy does not."""
     step_s: float = 0.01
-    """Time between decisions in s, during which the action is re-applied at every physics tick:
-    chosen because success after the initiation then comes closest to the paper's table 1 (ADR 21).
+    """Duration of a step in s, during which the action is re-applied at every physics step: chosen
+    because success after the initiation then comes closest to the paper's table 1 (ADR 21).
     The makers' simulation decides every 5 ms."""
     episode_s: float = 20.0
     """Cap of an episode in s; the paper."""
@@ -180,20 +180,20 @@ class EnvConfig:
     def __post_init__(self) -> None:
         require_range("step_s", self.step_s, 0.0005, 1.0)
         require_range("episode_s", self.episode_s, self.step_s, 3600.0)
-        ticks = self.step_s / self.robot.physics_step_s
-        if not math.isclose(ticks, round(ticks), rel_tol=1e-9) or round(ticks) < 1:
+        ratio = self.step_s / self.robot.physics_step_s
+        if not math.isclose(ratio, round(ratio), rel_tol=1e-9) or round(ratio) < 1:
             raise ConfigError(
                 f"`step_s` is {self.step_s!r}, which is not a multiple "
                 f"of `robot.physics_step_s` = {self.robot.physics_step_s!r}.",
-                remedy="Give a whole number of physics ticks.",
+                remedy="Give a whole number of physics steps.",
             )
 
     @property
     def physics_steps_per_step(self) -> int:
-        """Physics ticks between two decisions."""
+        """Physics steps in a step."""
         return round(self.step_s / self.robot.physics_step_s)
 
     @property
     def steps_per_episode(self) -> int:
-        """Decisions until the cap: S_m of eq. 6."""
+        """Steps until the cap: S_m of eq. 6."""
         return math.ceil(self.episode_s / self.step_s - 1e-9)

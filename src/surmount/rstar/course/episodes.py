@@ -31,7 +31,7 @@ class Episodes:
     variant
         Task of the episode, shape ``(env, parameter)``.
     steps
-        Decisions taken, shape ``(env,)``.
+        Steps taken, shape ``(env,)``.
     path_deg
         Path lengths Σ|Δangle| of FBEM and sprawl (paper III-D), shape ``(2, env)``.
     terminated, truncated, success, diverged
@@ -39,7 +39,7 @@ class Episodes:
     completion_time_s
         Time to the target in s; the cap where it is not reached (paper III-D), shape ``(env,)``.
     interval_s, target_m
-        Time between decisions in s and position of the target line in m, as arrays of no dimension:
+        Time between steps in s and position of the target line in m, as arrays of no dimension:
         NumPy takes half as long again for an operation with a number (ADR 41).
     target_point_m
         Where each episode's distance is measured to, in m, shape ``(3, env)``: the middle of the
@@ -86,14 +86,14 @@ class Episodes:
         diverged: BoolArray,
         running: BoolArray | None,
     ) -> BoolArray | None:
-        """Count a decision and judge what it led to.
+        """Count a step and judge what it led to.
 
         Parameters
         ----------
         now
-            What is measured after the decision.
+            What is measured after the step.
         change_deg
-            Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``; zero where
+            Absolute changes of FBEM and sprawl over the step, shape ``(2, env)``; zero where
             the environment was not running.
         diverged
             Simulations that diverged, shape ``(env,)``.
@@ -103,7 +103,7 @@ class Episodes:
         Returns
         -------
         BoolArray or None
-            Episodes that ended by this decision, shape ``(env,)``; None if no episode did.
+            Episodes that ended by this step, shape ``(env,)``; None if no episode did.
         """
         self.path_deg += change_deg
         self.steps += _ONE if running is None else running

@@ -92,7 +92,7 @@ class Measures:
 
 
 FEATURE_NAMES = ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
-"""Features logged at every decision (paper II-A)."""
+"""Features logged at every step (paper II-A)."""
 
 
 def features(
@@ -110,9 +110,9 @@ def features(
     measures
         What is measured.
     steps
-        Decisions since each episode began, shape ``(env,)``.
+        Steps since each episode began, shape ``(env,)``.
     step_s
-        Time between decisions in s.
+        Time between steps in s.
     target_point_m
         Each environment's target point in m, shape ``(3, env)``; see
         :class:`~surmount.envs.episodes.Episodes`.

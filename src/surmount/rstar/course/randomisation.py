@@ -22,7 +22,7 @@ FACTORS = (
 """Factors on the robot's dynamics, in the order in which they are drawn and reported."""
 
 LONGEST_DELAY = 100
-"""Decisions by which an action may be delayed at the most."""
+"""Steps by which an action may be delayed at the most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class RandomisationConfig:
     """Range of the factor on the damping of all wheel servos, dimensionless; assumed constant, as
     in the paper. The bound that ``RobotConfig`` states for damping holds for the product."""
     action_delay_steps: tuple[int, int] = (0, 0)
-    """Range of the delay between a decision and its effect, in whole decisions; until the first
+    """Range of the delay between a step and its effect, in whole steps; until the first
     action arrives, the targets rest. The paper has none."""
     attitude_noise_deg: float = 0.0
     """Standard deviation of observed yaw and pitch in degrees; the paper has none."""
@@ -118,7 +118,7 @@ class RandomisationConfig:
 
 
 def draw(config: RandomisationConfig, rng: np.random.Generator) -> tuple[FloatArray, int]:
-    """Draw an episode's factors, in the order of :data:`FACTORS`, and its delay in decisions.
+    """Draw an episode's factors, in the order of :data:`FACTORS`, and its delay in steps.
 
     All are drawn whenever anything is randomised, so that widening one range leaves the draws of
     the others as they were.

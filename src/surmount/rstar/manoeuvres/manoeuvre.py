@@ -101,7 +101,7 @@ class Player:
     manoeuvres
         One per environment, all begun at the fixed start pose.
     step_s
-        Time between two decisions in s.
+        Time between two steps in s.
     """
 
     def __init__(self, manoeuvres: Sequence[Manoeuvre], step_s: float) -> None:
@@ -126,7 +126,7 @@ class Player:
         return self._phase
 
     def act(self, x_m: FloatArray) -> FloatArray:
-        """Return the actions of this decision, in [−1, 1], shape ``(env, 3)``.
+        """Return the actions of this step, in [−1, 1], shape ``(env, 3)``.
 
         Parameters
         ----------

@@ -124,13 +124,13 @@ def try_out(
     progress_m = np.full(envs, -np.inf)
     gained_s = np.zeros(envs)
     actions = np.zeros((envs, 3))
-    elapsed_s, decisions = 0.0, round(horizon_s / config.step_s)
+    elapsed_s, steps = 0.0, round(horizon_s / config.step_s)
     measures = simulation.measure()
-    for decision in range(decisions):
+    for step in range(steps):
         actions[:count] = player.act(measures.x_m[:count])
         running &= ~simulation.advance(actions, running)
         measures = simulation.measure()
-        elapsed_s = (decision + 1) * config.step_s
+        elapsed_s = (step + 1) * config.step_s
         now_m = _progress_m(measures)
         gained_s[now_m > progress_m + STALL_M] = elapsed_s
         progress_m = np.where(running, np.maximum(progress_m, now_m), progress_m)

@@ -6,9 +6,9 @@ along with the front one, so the four bars stay a parallelogram and the carrier 
 body.
 
 Commands live in the simulation state: every servo integrates a *rate* (its control) into a target
-(its activation), clamped to the paper's range, at every physics tick. Holding a control for some
-ticks is therefore the paper's action re-applied at each of them, and both sides' targets, fed
-alike, stay equal to the last bit.
+(its activation), clamped to the paper's range, at every physics step. Holding a control for some
+of them is therefore the paper's action re-applied at each, and both sides' targets, fed alike, stay
+equal to the last bit.
 
 The robot's parts cannot touch one another by construction (a test measures the distances over the
 whole range), so its geoms collide with the world alone.
