@@ -10,6 +10,8 @@ stage                  files
 ``curriculum``         as ``initiation``
 ``control``            as ``initiation``
 ``teach/…``            as ``initiation``
+``statistics``         ``statistics.json``
+``evidence``           ``evidence.json``
 ``test-…``, ``shard/…`` ``trials.parquet``
 =====================  ====================================================================
 """

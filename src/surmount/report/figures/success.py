@@ -14,7 +14,7 @@ from surmount.report.document.text import integer, number, p_value, percent, per
 from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.figures.plots import annotate, hover, plain, plot
 from surmount.report.figures.stills import axes_grid
-from surmount.report.results import Outcomes
+from surmount.report.outcomes import Outcomes
 from surmount.stats.proportions import proportion_intervals
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS, TRAININGS
