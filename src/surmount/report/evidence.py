@@ -76,17 +76,6 @@ class Evidence:
             "claims": [claim.to_record() for claim in self.claims],
         }
 
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Evidence:
-        """Build from the JSON form; a ``KeyError`` or ``TypeError`` tells of another version."""
-        return cls(
-            profiles={
-                arm: PerformanceProfile(**{key: _frozen(value) for key, value in found.items()})
-                for arm, found in record["profiles"].items()
-            },
-            claims=tuple(Claim(**claim) for claim in record["claims"]),
-        )
-
 
 def family_of(task: str) -> TaskFamily | None:
     """Return the registered family of a run's task; ``None`` for one's own environment.
@@ -103,7 +92,3 @@ def family_of(task: str) -> TaskFamily | None:
 
 def _profile(outcomes: Outcomes) -> PerformanceProfile:
     return performance_profile({STRATUM: outcomes.scores()}, THRESHOLDS, Bootstrap(seed=0))
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value

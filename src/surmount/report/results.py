@@ -6,7 +6,6 @@ from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 import polars as pl
@@ -14,6 +13,7 @@ import polars as pl
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
+from surmount.core.reading import read_as
 from surmount.learn.training_episodes import TrainingEpisodes, read_episodes
 from surmount.report.comparison import Comparison, comparison_of
 from surmount.report.evidence import Evidence, Findings, family_of
@@ -170,7 +170,7 @@ def _evidence(folder: RunFolder, findings: Findings) -> Evidence:
     path = folder.stages[EVIDENCE].path(EVIDENCE_FILE)
     record = read_run_record(path)
     with reading(path):
-        return Evidence.from_record(record)
+        return read_as(Evidence, record)
 
 
 def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
@@ -201,9 +201,7 @@ def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
             total_steps=int(record["steps"]),
             episodes=int(record["episodes"]),
             diverged_episodes=int(record["diverged_episodes"]),
-            level_tests=tuple(
-                LevelTest(**cast(dict[str, Any], test)) for test in record["level_tests"]
-            ),
+            level_tests=read_as(tuple[LevelTest, ...], record["level_tests"]),
             record=_episodes(artefact, analysis) if record["level_tests"] else None,
             **{name: int(count) for name, count in record.get("faults", {}).items()},
         )

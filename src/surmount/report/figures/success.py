@@ -97,7 +97,7 @@ def _pooled(rows: tuple[VariantSuccess, ...], curriculum: Curriculum) -> list[Su
     for row in rows:
         group = curriculum.group_of(np.asarray(row.variant))
         if group is not None:
-            totals[group] += [row.success.successes, row.success.trials]
+            totals[group] += [row.successes, row.trials]
     return [Success(successes=won, trials=tried) for won, tried in totals.tolist()]
 
 
