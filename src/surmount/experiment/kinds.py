@@ -26,7 +26,7 @@ def _known(name: str, function: StageFunction, was: str, version: int = 1) -> St
 INITIATION = _known("initiation", stages.initiate, "stages:initiate")
 TRIALS = _known("trials", stages.run_trials, "stages:run_trials", version=2)
 JOIN_TRIALS = _known("join-trials", stages.join_trials, "stages:join_trials")
-ANALYSIS = _known("analysis", stages.analyse, "stages:analyse", version=2)
+ANALYSIS = _known("analysis", stages.analyse, "stages:analyse", version=3)
 CURRICULUM = _known("curriculum", stages.learn_levels, "stages:learn_levels")
 CONTROL = _known("control", stages.learn_control, "stages:learn_control")
 STATISTICS = _known("statistics", compare, "statistics:compare", version=2)
