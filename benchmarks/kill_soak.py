@@ -63,6 +63,9 @@ class Watcher:  # as `RunObserver` describes it
     def __init__(self, path: Path) -> None:
         self._file = path.open("a", encoding="utf-8")
 
+    def stage_outdated(self, stage: str, folders) -> None:
+        pass
+
     def stage_reused(self, artefact) -> None:
         self._write(artefact.stage, "reused", 0)
 

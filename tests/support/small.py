@@ -43,7 +43,10 @@ class Watcher:
     """Keeps what a run told."""
 
     def __init__(self):
-        self.started, self.sentences, self.lost = [], [], []
+        self.started, self.sentences, self.lost, self.outdated = [], [], [], []
+
+    def stage_outdated(self, stage, folders):
+        self.outdated.append(stage)
 
     def stage_reused(self, artefact):
         pass
