@@ -18,14 +18,17 @@ from surmount.analysis.features import FeatureMap, describe_variant
 from surmount.analysis.groups import Merge
 from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
-from surmount.analysis.result_reading import KIND, SCHEMA, read_fields
+from surmount.analysis.result_reading import KIND, SCHEMA, analysis_fields
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
+from surmount.analysis.suspects import Suspect
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.axis import Axes
 from surmount.core.configuration import to_record as config_to_record
 from surmount.core.records import read_record, write_record
 from surmount.tasks.curriculum import Curriculum, Group
+
+_SHOWN_NAMES = 12
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,6 +47,8 @@ class Analysis:
         How logged features became the features of the mixtures.
     n_networks
         Networks whose trials these are.
+    network_names
+        Name of each; empty where networks have numbers only.
     variants
         Shape ``(variant, parameter)``.
     success_rate
@@ -84,6 +89,10 @@ class Analysis:
         How sure the grouping is; ``None`` where the bootstrap was switched off.
     sensitivity
         The grouping with one choice changed at a time; empty where it was switched off.
+    suspects
+        Features that may not be behaviour, with the grouping without them.
+    notes
+        How the trials were read, where somebody must know it, in sentences.
     warnings
         Sentences on what a reader must know before trusting the result.
     """
@@ -92,6 +101,7 @@ class Analysis:
     parameters: tuple[str, ...]
     features: FeatureMap
     n_networks: int
+    network_names: tuple[str, ...]
     variants: FloatArray
     success_rate: FloatArray
     n_trials: IntArray
@@ -114,6 +124,8 @@ class Analysis:
     sampled: FloatArray
     stability: Stability | None
     sensitivity: tuple[SensitivityRow, ...]
+    suspects: tuple[Suspect, ...]
+    notes: tuple[str, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -151,6 +163,15 @@ class Analysis:
         return np.rint(self.success_rate * self.n_trials).astype(np.int64)
 
     @property
+    def networks(self) -> str:
+        """How many networks there are, with the first names where they have names."""
+        count = f"{self.n_networks} network{'' if self.n_networks == 1 else 's'}"
+        if not self.network_names:
+            return count
+        more = ", …" if len(self.network_names) > _SHOWN_NAMES else ""
+        return f"{count} ({', '.join(self.network_names[:_SHOWN_NAMES])}{more})"
+
+    @property
     def not_converged(self) -> int:
         """Number of mixtures whose fit did not converge."""
         return sum(not mixture.converged for mixture in self.mixtures)
@@ -178,7 +199,7 @@ class Analysis:
         InputError
             If the record is not an analysis of this schema, or is damaged.
         """
-        return cls(**read_fields(record, source))
+        return cls(**analysis_fields(cls, record, source))
 
     def save(self, path: Path | str) -> None:
         """Write the analysis as one JSON file, whole or not at all."""
