@@ -138,7 +138,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         sensitivity=sensitivity,
         warnings=(),
     )
-    return analysis_warnings(analysis)
+    return analysis_warnings(analysis, outliers=data.outliers)
 
 
 def _bic_variant(data: VariantSamples, config: AnalysisConfig) -> int:

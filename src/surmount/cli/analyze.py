@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.core.printing import say
 
 
 def analyze(
@@ -48,10 +49,10 @@ def analyze(
         analysis.save(out / ANALYSIS_FILE)
         analysis.curriculum.save(out / CURRICULUM_FILE)
         page = write_analysis_report(analysis.to_record(), out)
-    print("\n".join(describe_curriculum(analysis.curriculum)))
-    print("\nHow far to trust it")
+    say("\n".join(describe_curriculum(analysis.curriculum)))
+    say("\nHow far to trust it")
     for sentence in (*describe_trust(analysis), *analysis.warnings):
-        print(f"  {sentence}")
-    print(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
-    print(f"To read: {page}")
+        say(f"  {sentence}")
+    say(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
+    say(f"To read: {page}")
     return 0

@@ -9,6 +9,7 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
+from surmount.core.printing import say
 
 Named = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=COLUMN")]
 
@@ -49,7 +50,7 @@ def convert(
     with output_errors(out.parent):
         write_trials(out, trials)
     variants, _ = trials.variants()
-    print(
+    say(
         f"{trials.n_trials} trials on {len(variants)} variants, {int(trials.success.sum())} "
         f"succeeded, {trials.n_samples} rows: {out}"
     )

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.trials.checksum import without_panics
 from surmount.trials.coded_column import CodeArray, Coded, row_pieces
 from surmount.trials.table_check import Table, checked_columns
 from surmount.trials.table_file import read_columns, write_columns
@@ -48,13 +49,13 @@ def read_trials(path: Path | str, *, minimum_variants: int = 1, minimum_samples:
     MissingExtraError
         If Parquet is to be read and the extra ``tables`` is not installed.
     """
-    table = read_columns(Path(path))
-    return trials_from_table(
-        table,
-        minimum_variants=minimum_variants,
-        minimum_samples=minimum_samples,
-        source=str(path),
-    )
+    with without_panics():
+        return trials_from_table(
+            read_columns(Path(path)),
+            minimum_variants=minimum_variants,
+            minimum_samples=minimum_samples,
+            source=str(path),
+        )
 
 
 def write_trials(path: Path | str, trials: Trials) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -75,8 +76,8 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
         If this is no table of columns at all.
     """
     columns = table if isinstance(table, FileColumns) else _arrays(table, problems)
-    names = list(columns)
-    _check_names(names, problems)
+    names = dict.fromkeys(columns)
+    _check_names(list(names), problems)
     n_rows = columns.n_rows if isinstance(columns, FileColumns) else _row_count(columns, problems)
     if n_rows == 0:
         problems.add("the table has no rows", "Log at least one trial.")
@@ -146,7 +147,7 @@ def _arrays(table: Any, problems: Problems) -> dict[str, Column]:
         )
     keys: list[Any] = list(getattr(table, "columns", table))
     names = [str(key) for key in keys]
-    again = {name for name in names if names.count(name) > 1}
+    again = {name for name, count in Counter(names).items() if count > 1}
     for name in sorted(again):
         problems.add(f"several columns have the name `{name}`", "Name each column once.")
     return {

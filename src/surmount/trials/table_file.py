@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.errors import InputError, MissingExtraError
+from surmount.trials.checksum import PLACE, check, stamp
 
 Column = np.ndarray[Any, Any]
 _CSV_PIECE_ROWS = 20_000
@@ -95,7 +96,8 @@ def write_columns(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> No
         if kind == "parquet":
             polars = _polars()
             frame = polars.DataFrame(dict(columns))
-            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA})
+            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **PLACE})
+            stamp(temporary)
         else:
             _write_csv(temporary, columns)
         temporary.replace(path)
@@ -126,6 +128,7 @@ def _polars() -> Any:
 
 def _read_parquet(path: Path) -> FileColumns:
     polars = _polars()
+    check(path)
     try:
         version = polars.read_parquet_metadata(path).get(_SCHEMA_KEY, TABLE_SCHEMA)
         lazy = polars.scan_parquet(path)
