@@ -40,7 +40,7 @@ CHANGES = {
     "networks": 2,
     "initial_steps": 20_000,
     "checkpoint_steps": 2_000,
-    "env.decision_interval_s": 0.1,
+    "env.step_s": 0.1,
     "env.episode_s": 4.0,
     "learner.hidden_layers": [32, 32],
     "learner.rollout_steps": 64,

@@ -26,7 +26,7 @@ initial_steps = 1
 [settings.base]
 [settings.slow]
 networks = 1
-changes = {"env.decision_interval_s" = 0.05}
+changes = {"env.step_s" = 0.05}
 """
 
 

@@ -19,7 +19,7 @@ SMALL = {
     "networks": 2,
     "initial_steps": 600,
     "checkpoint_steps": 300,
-    "env.decision_interval_s": 0.1,
+    "env.step_s": 0.1,
     "env.episode_s": 2.0,
     "learner.hidden_layers": [16, 16],
     "learner.rollout_steps": 32,
