@@ -88,7 +88,7 @@ def command(root: Path, networks: int, executor: str, address: str | None = None
     return given if address is None else [*given, "--address", address]
 
 
-def soak(out: Path, networks: int, kills: int, executor: str) -> None:
+def soak(out: Path, reference: Path, networks: int, kills: int, executor: str) -> None:
     aims, hits = out / "aims", out / "hits"
     for folder in (aims, hits):
         folder.mkdir()
@@ -114,7 +114,7 @@ def soak(out: Path, networks: int, kills: int, executor: str) -> None:
                 sys.exit(f"{root} ended with code {code}")
     done = {path.name for path in hits.iterdir()} - {"driver"}
     missed = [name for name in wanted if name not in done]
-    expected, found = content(out / "reference"), content(root)
+    expected, found = content(reference), content(root)
     if found != expected:
         different = [name for name in expected if found.get(name) != expected[name]]
         sys.exit(f"{root} differs from the reference in {different}")
@@ -134,6 +134,7 @@ def main() -> None:
     parser.add_argument("--kills", type=int, default=68)
     parser.add_argument("--networks", type=int, default=2)
     parser.add_argument("--ray", action="store_true", help="on Ray with two workers")
+    parser.add_argument("--reference", type=Path, help="run to compare with; made if not given")
     parser.add_argument("--out", type=Path, default=Path("out/aimed"))
     parser.add_argument("--work", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--executor", default="processes", help=argparse.SUPPRESS)
@@ -145,9 +146,10 @@ def main() -> None:
     shutil.rmtree(chosen.out, ignore_errors=True)
     chosen.out.mkdir(parents=True)
     began = time.monotonic()
-    subprocess.run(command(chosen.out / "reference", chosen.networks, "in-process"), check=True)  # noqa: S603
+    reference = chosen.reference or chosen.out / "reference"
+    subprocess.run(command(reference, chosen.networks, "in-process"), check=True)  # noqa: S603
     print(f"undisturbed, in one process: {time.monotonic() - began:.0f} s", flush=True)
-    soak(chosen.out, chosen.networks, chosen.kills, "ray" if chosen.ray else "processes")
+    soak(chosen.out, reference, chosen.networks, chosen.kills, "ray" if chosen.ray else "processes")
 
 
 if __name__ == "__main__":

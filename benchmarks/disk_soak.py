@@ -87,6 +87,7 @@ def main() -> None:
     parser.add_argument("--networks", type=int, default=2)
     parser.add_argument("--start", type=int, default=100, help="kB of the disk at first")
     parser.add_argument("--step", type=int, default=200, help="kB that it grows by")
+    parser.add_argument("--reference", type=Path, help="run to compare with; made if not given")
     parser.add_argument("--out", type=Path, default=Path("out/disk"))
     parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
@@ -96,13 +97,14 @@ def main() -> None:
         return
     shutil.rmtree(out, ignore_errors=True)
     (out / "disk").mkdir(parents=True)
-    run_small(out / "reference", small_config(networks=chosen.networks))
+    reference = chosen.reference or out / "reference"
+    run_small(reference, small_config(networks=chosen.networks))
     given = [sys.executable, __file__, *sys.argv[1:], "--inside"]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(["unshare", "-rm", *given], env=environment, check=False)  # noqa: S603, S607
     if done.returncode:
         sys.exit(done.returncode)
-    expected = content(out / "reference")
+    expected = content(reference)
     if content(out / "run") != expected:
         sys.exit("the run differs from the reference")
     print(f"{len(expected)} files identical", flush=True)

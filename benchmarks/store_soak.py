@@ -53,8 +53,8 @@ class FlakyFiles(LocalFileSystem):
     def _fault(self, target: str = "", whole: bytes = b"") -> bool:
         """Fail, stall or tear; true if a write was torn in silence."""
         (kind,) = self.rng.choices([*KINDS, ""], [*self.shares, 1.0 - sum(self.shares)])
-        if kind.startswith("tear") and not target:
-            kind = "fail"
+        if not target:  # nothing is written that could be torn
+            kind = kind if kind in ("fail", "stall") else ""
         self.met[kind] += 1
         if kind == "stall":
             time.sleep(STALL_S)
@@ -103,14 +103,16 @@ def until_finished(root: Path, networks: int, url: str) -> Counter[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--shares", default="0.03,0.03,0.03,0.03", help=f"of {', '.join(KINDS)}")
+    parser.add_argument("--shares", default="0.03,0.03,0.1,0.1", help=f"of {', '.join(KINDS)}")
     parser.add_argument("--networks", type=int, default=2)
+    parser.add_argument("--reference", type=Path, help="run to compare with; made if not given")
     parser.add_argument("--out", type=Path, default=Path("out/store"))
     chosen = parser.parse_args()
     shutil.rmtree(chosen.out, ignore_errors=True)
     chosen.out.mkdir(parents=True)
-    run_small(chosen.out / "reference", small_config(networks=chosen.networks))
-    expected = content(chosen.out / "reference")
+    reference = chosen.reference or chosen.out / "reference"
+    run_small(reference, small_config(networks=chosen.networks))
+    expected = content(reference)
     began = time.monotonic()
     FlakyFiles.shares = [float(share) for share in chosen.shares.split(",")]
     fsspec.register_implementation("flaky", FlakyFiles)
