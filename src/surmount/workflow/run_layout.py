@@ -52,6 +52,7 @@ TRIALS = {INITIATION: "trials", **{arm: f"test-{arm}" for arm in ARMS}}
 """Stages that roll out what was trained, one per network."""
 ANALYSIS = "analysis"
 STATISTICS = "statistics"
+EVIDENCE = "evidence"
 COMPARISON = "teachers"
 """Stage that compares teachers."""
 
@@ -71,6 +72,8 @@ CURRICULUM_FILE = "curriculum.json"
 """Of the analysis: the curriculum alone."""
 STATISTICS_FILE = "statistics.json"
 """Of the statistics over both arms."""
+EVIDENCE_FILE = "evidence.json"
+"""Of the evidence: profiles over networks, and claims with their verdicts."""
 COMPARISON_FILE = "teachers.json"
 """Of the comparison of teachers."""
 
@@ -96,7 +99,11 @@ def per_network(kind: str, network: int) -> str:
 
 
 def expected_stages(networks: int) -> list[str]:
-    """Return the names of all stages of a run with so many networks."""
+    """Return the names of the stages without which a run of so many networks is unfinished.
+
+    The evidence is none of them: runs of before it was kept have none, and it can be found anew
+    from the others whenever it is asked for.
+    """
     kinds = [*TRAININGS, *TRIALS.values()]
     return [
         *(per_network(kind, network) for kind in kinds for network in range(networks)),

@@ -43,7 +43,7 @@ def test_every_variant_has_a_manoeuvre_that_succeeds_from_the_fixed_start_within
 
 
 @pytest.mark.parametrize("name", OBSTACLES)
-def test_halving_the_physics_tick_changes_no_outcome_where_the_margins_say_so(name):
+def test_halving_the_physics_step_changes_no_outcome_where_the_margins_say_so(name):
     physics_step_s = DEFAULT.robot.physics_step_s / 2
     finer = replace(DEFAULT, robot=replace(DEFAULT.robot, physics_step_s=physics_step_s))
     success, _ = replayed(name, finer)
