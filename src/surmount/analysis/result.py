@@ -27,7 +27,7 @@ from surmount.core.records import read_record, write_record
 from surmount.tasks.curriculum import Curriculum, Group
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Analysis:
     """Everything from trials to curriculum, in the order of the method.
 
@@ -114,6 +114,18 @@ class Analysis:
     stability: Stability | None
     sensitivity: tuple[SensitivityRow, ...]
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """Return groups, levels and the verdict in a few lines; all numbers are in the fields."""
+        from surmount.analysis.showing import text_of  # noqa: PLC0415 - which needs this class
+
+        return text_of(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same for a notebook."""
+        from surmount.analysis.showing import html_of  # noqa: PLC0415 - which needs this class
+
+        return html_of(self)
 
     @property
     def groups(self) -> tuple[Group, ...]:
