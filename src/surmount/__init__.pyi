@@ -79,6 +79,7 @@ from .teachers.teacher import Teacher as Teacher
 from .teachers.teacher import TeacherStatus as TeacherStatus
 from .teachers.uniform import UniformTeacher as UniformTeacher
 from .trials.columns import Columns as Columns
+from .trials.example import load_example as load_example
 from .trials.table import read_trials as read_trials
 from .trials.table import trials_from_table as trials_from_table
 from .trials.table import write_trials as write_trials
