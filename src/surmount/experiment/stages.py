@@ -229,6 +229,8 @@ def write_training(context: StageContext, training: Training) -> None:
         "diverged_episodes": int(history.episodes.diverged.sum()),
         "level_tests": [asdict(test) for test in training.tests],
     }
+    if training.changes:
+        record["changes"] = [change.to_record() for change in training.changes]
     if training.faults.occurred:
         record["faults"] = training.faults.to_record()
     write_record(context.output / TRAINING_FILE, record)

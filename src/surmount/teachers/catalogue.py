@@ -18,12 +18,17 @@ from surmount.teachers import ablations
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
 from surmount.teachers.budget import BudgetedLevels
+from surmount.teachers.cell_groups import CellGroups
+from surmount.teachers.frontier import FrontierTeacher
+from surmount.teachers.frontier_config import FrontierConfig
 from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.learning_progress import LearningProgressConfig, LearningProgressTeacher
 from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.mastery import MasteryConfig, MasteryTeacher
 from surmount.teachers.promotion import PromotionTeacher
 from surmount.teachers.replay import ReplayConfig, ReplayTeacher
 from surmount.teachers.self_paced import SelfPacedConfig, SelfPacedTeacher
+from surmount.teachers.success_guided import SuccessGuidedConfig, SuccessGuidedTeacher
 from surmount.teachers.teacher import Teacher
 from surmount.teachers.uniform import UniformTeacher
 
@@ -46,6 +51,15 @@ class TeachersConfig:
 
     spdl: SelfPacedConfig = field(default_factory=SelfPacedConfig)
     """Self-paced learning."""
+
+    mastery: MasteryConfig = field(default_factory=MasteryConfig)
+    """Mastery-gated levels."""
+
+    frontier: FrontierConfig = field(default_factory=FrontierConfig)
+    """The frontier, of groups by behaviour, of single cells and of groups by parameters."""
+
+    sgs: SuccessGuidedConfig = field(default_factory=SuccessGuidedConfig)
+    """Success-guided sampling."""
 
 
 class Budget(TypedDict):
@@ -139,6 +153,11 @@ SETTINGS = {
     "learning-progress": "learning_progress",
     "learnability": "learnability",
     "spdl": "spdl",
+    "mastery": "mastery",
+    "frontier": "frontier",
+    "frontier-cells": "frontier",
+    "frontier-parameters": "frontier",
+    "sgs": "sgs",
 }
 """Fields of :class:`TeachersConfig` by teacher; the others have no settings of their own."""
 
@@ -156,12 +175,16 @@ def find_teacher(name: str) -> Entry:
     return TEACHERS[name]
 
 
-def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
+def _require_levels(curriculum: Curriculum) -> None:
     if not curriculum.levels:
         raise ConfigError(
             "The curriculum has no levels: every group already succeeds.",
             remedy="Shorten the initiation, so that something is left to learn.",
         )
+
+
+def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
+    _require_levels(curriculum)
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
     inner = LevelTeacher(levels, context.advancement, seed=context.seed)
     return BudgetedLevels(inner, context.total_steps)
@@ -197,6 +220,30 @@ def _spdl(context: TeacherContext) -> Teacher:
     return SelfPacedTeacher(
         context.whole_range, begin, config=context.teachers.spdl, **context.budget
     )
+
+
+def _mastery(context: TeacherContext) -> Teacher:
+    _require_levels(context.curriculum)
+    return MasteryTeacher(
+        context.curriculum, context.advancement, config=context.teachers.mastery, **context.budget
+    )
+
+
+def _frontier(groups: CellGroups, context: TeacherContext, label: str) -> Teacher:
+    config = context.teachers.frontier
+    return FrontierTeacher(groups, config=config, label=label, **context.budget)
+
+
+def _frontier_parameters(context: TeacherContext) -> Teacher:
+    made = ablations.by_parameter_distance(
+        context.curriculum, context.variants, context.success_rate, context.analysis
+    )
+    return _frontier(CellGroups.of(context.cells, made), context, "frontier by parameters")
+
+
+def _sgs(context: TeacherContext) -> Teacher:
+    groups = CellGroups.of(context.cells, context.curriculum)
+    return SuccessGuidedTeacher(groups, config=context.teachers.sgs, **context.budget)
 
 
 _PAPER = "Karni et al. 2024"
@@ -266,5 +313,24 @@ TEACHERS = {
         make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
     ),
     "spdl": Entry(title="self-paced", source="Klink et al. 2020, 2021", make=_spdl),
+    "mastery": Entry(
+        title="mastery-gated levels", source=f"the levels of {_PAPER}, by success", make=_mastery
+    ),
+    "frontier": Entry(
+        title="frontier of the groups",
+        source="Surmount",
+        make=lambda of: _frontier(CellGroups.of(of.cells, of.curriculum), of, "frontier"),
+    ),
+    "frontier-cells": Entry(
+        title="frontier of single variants",
+        source="ablation of the frontier: nothing is pooled",
+        make=lambda of: _frontier(CellGroups.single(of.cells), of, "frontier of variants"),
+    ),
+    "frontier-parameters": Entry(
+        title="frontier of groups by distance of parameters",
+        source="ablation of the frontier: no behaviour",
+        make=_frontier_parameters,
+    ),
+    "sgs": Entry(title="success-guided sampling", source="arXiv:2610.12465", make=_sgs),
 }
 """By the name that the command line takes."""
