@@ -150,6 +150,7 @@ def learn_by_teacher(context: StageContext) -> None:
         total_steps=steps,
         seed=context.seed,
         environments=int(config["learner"]["num_envs"]),
+        target=family.target(settings),
         analysis=from_record(AnalysisConfig, config["analysis"]),
         advancement=from_record(AdvancementConfig, config["advancement"]),
         teachers=from_record(TeachersConfig, config["teaching"]),

@@ -11,7 +11,7 @@ from surmount.core.arrays import FloatArray
 from surmount.learn.value_errors import EpisodeErrors
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 
-_TYPES: dict[str, Any] = {
+COLUMNS: dict[str, Any] = {
     "step": np.int64,
     "variant": np.float64,
     "reward": np.float64,
@@ -19,7 +19,7 @@ _TYPES: dict[str, Any] = {
     "success": np.bool_,
     "diverged": np.bool_,
 }
-"""Of the columns of :class:`surmount.teachers.teacher.Episodes`."""
+"""Columns of :class:`surmount.teachers.teacher.Episodes` that are always there, and their types."""
 
 
 class EpisodeRecorder:
@@ -144,7 +144,7 @@ class EpisodeRecorder:
 def episodes_of(rows: Sequence[Mapping[str, Any]], parameters: int) -> Episodes:
     """Return the columns of episodes over so many task parameters."""
     columns: dict[str, Any] = {
-        name: np.array([row[name] for row in rows], kind) for name, kind in _TYPES.items()
+        name: np.array([row[name] for row in rows], kind) for name, kind in COLUMNS.items()
     }
     columns["variant"] = columns["variant"].reshape(len(rows), parameters)
     covered = [row.get("covered") for row in rows]

@@ -19,6 +19,7 @@ from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
 from surmount.teachers.budget import BudgetedLevels
 from surmount.teachers.cell_groups import CellGroups
+from surmount.teachers.currot import CurrotConfig, CurrotTeacher
 from surmount.teachers.frontier import FrontierTeacher
 from surmount.teachers.frontier_config import FrontierConfig
 from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
@@ -58,6 +59,9 @@ class TeachersConfig:
     frontier: FrontierConfig = field(default_factory=FrontierConfig)
     """The frontier, of groups by behaviour, of single cells and of groups by parameters."""
 
+    currot: CurrotConfig = field(default_factory=CurrotConfig)
+    """CURROT."""
+
     sgs: SuccessGuidedConfig = field(default_factory=SuccessGuidedConfig)
     """Success-guided sampling."""
 
@@ -90,6 +94,8 @@ class TeacherContext:
         Of everything random in the teacher.
     environments
         Number of environments that learn at once.
+    target
+        Tasks that are wanted in the end; the whole range if ``None``.
     analysis, advancement, teachers
         Settings.
     """
@@ -102,6 +108,7 @@ class TeacherContext:
     total_steps: int
     seed: int
     environments: int
+    target: TaskDistribution | None = None
     analysis: AnalysisConfig = field(default_factory=AnalysisConfig)
     advancement: AdvancementConfig = field(default_factory=AdvancementConfig)
     teachers: TeachersConfig = field(default_factory=TeachersConfig)
@@ -158,6 +165,7 @@ SETTINGS = {
     "frontier-cells": "frontier",
     "frontier-parameters": "frontier",
     "sgs": "sgs",
+    "currot": "currot",
 }
 """Fields of :class:`TeachersConfig` by teacher; the others have no settings of their own."""
 
@@ -332,5 +340,12 @@ TEACHERS = {
         make=_frontier_parameters,
     ),
     "sgs": Entry(title="success-guided sampling", source="arXiv:2610.12465", make=_sgs),
+    "currot": Entry(
+        title="CURROT",
+        source="Klink et al. 2022",
+        make=lambda of: CurrotTeacher(
+            of.whole_range, of.target or of.whole_range, config=of.teachers.currot, **of.budget
+        ),
+    ),
 }
 """By the name that the command line takes."""
