@@ -136,11 +136,15 @@ class Entry:
         Where it is from.
     make
         Makes it.
+    by_trials
+        Whether it needs groups, and so the trials that these are determined from: in a comparison
+        at equal costs it pays for them.
     """
 
     title: str
     source: str
     make: Callable[[TeacherContext], Teacher]
+    by_trials: bool = False
 
 
 def make_teacher(name: str, context: TeacherContext) -> Teacher:
@@ -261,35 +265,48 @@ TEACHERS = {
         title="the paper's curriculum",
         source=_PAPER,
         make=lambda of: _levels(of.curriculum, of),
+        by_trials=True,
     ),
     "uniform": Entry(
         title="uniform",
         source=f"control of {_PAPER}",
         make=lambda of: UniformTeacher(of.whole_range, **of.budget),
     ),
-    "hardest": Entry(title="hardest group only", source="lower bound", make=_hardest),
+    "hardest": Entry(
+        title="hardest group only",
+        source="lower bound",
+        make=_hardest,
+        by_trials=True,
+    ),
     "easy-to-hard": Entry(
         title="easy to hard by the parameter",
         source="a designer's guess, with the paper's levels and test",
         make=_easy_to_hard,
+        by_trials=True,
     ),
     "random-order": Entry(
-        title="groups in random order", source=f"ablation of {_PAPER}", make=_random_order
+        title="groups in random order",
+        source=f"ablation of {_PAPER}",
+        make=_random_order,
+        by_trials=True,
     ),
     "equal-weights": Entry(
         title="equal weights in every level",
         source=f"ablation of {_PAPER}",
         make=lambda of: _levels(ablations.equally_weighted(of.curriculum), of),
+        by_trials=True,
     ),
     "parameter-distance": Entry(
         title="groups by distance of parameters",
         source=f"ablation of {_PAPER}",
         make=_parameter_distance,
+        by_trials=True,
     ),
     "stepwise": Entry(
         title="one group at a time",
         source=f"future work of {_PAPER}",
         make=lambda of: _levels(ablations.stepwise(of.curriculum), of),
+        by_trials=True,
     ),
     "promote-demote": Entry(
         title="promote and demote",
@@ -320,14 +337,23 @@ TEACHERS = {
         source="Jiang et al. 2021",
         make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
     ),
-    "spdl": Entry(title="self-paced", source="Klink et al. 2020, 2021", make=_spdl),
+    "spdl": Entry(
+        title="self-paced",
+        source="Klink et al. 2020, 2021",
+        make=_spdl,
+        by_trials=True,
+    ),
     "mastery": Entry(
-        title="mastery-gated levels", source=f"the levels of {_PAPER}, by success", make=_mastery
+        title="mastery-gated levels",
+        source=f"the levels of {_PAPER}, by success",
+        make=_mastery,
+        by_trials=True,
     ),
     "frontier": Entry(
         title="frontier of the groups",
         source="Surmount",
         make=lambda of: _frontier(CellGroups.of(of.cells, of.curriculum), of, "frontier"),
+        by_trials=True,
     ),
     "frontier-cells": Entry(
         title="frontier of single variants",
@@ -338,6 +364,7 @@ TEACHERS = {
         title="frontier of groups by distance of parameters",
         source="ablation of the frontier: no behaviour",
         make=_frontier_parameters,
+        by_trials=True,
     ),
     "sgs": Entry(title="success-guided sampling", source="arXiv:2610.12465", make=_sgs),
     "currot": Entry(

@@ -1,0 +1,132 @@
+"""The stage in which a teacher of the comparison trains a network at a charged budget."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.result import Analysis
+from surmount.core.arrays import FloatArray
+from surmount.core.configuration import from_record
+from surmount.envs.family import TaskFamily
+from surmount.experiment.stages import only, train, write_training
+from surmount.experiment.task_part import family_and_settings
+from surmount.learn.snapshot import Snapshot
+from surmount.studies.teachers.plan import ORACLE
+from surmount.tasks.cells import TaskCells
+from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.regions import Regions
+from surmount.tasks.space import TaskSpace, harder_by_success
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.catalogue import (
+    TeacherContext,
+    TeachersConfig,
+    find_teacher,
+    make_teacher,
+)
+from surmount.teachers.teacher import Teacher
+from surmount.teachers.uniform import UniformTeacher
+from surmount.trials.table import read_trials
+from surmount.trials.trials import Trials
+from surmount.workflow.graph import StageContext, StageKind
+from surmount.workflow.run_layout import ANALYSIS_FILE, NETWORK_FILE, TRIALS_FILE
+
+HARD_SHARE = 0.5
+"""Share of the oracle's tasks that come from the hard third."""
+
+
+def learn_at_charged_budget(context: StageContext) -> None:
+    """Train an initial network on by a teacher; one that needs groups pays for its trials."""
+    family, settings = family_and_settings(context.config)
+    config: Mapping[str, Any] = context.config
+    space = family.space(settings)
+    analysis = Analysis.load(only(context, "analysis").path(ANALYSIS_FILE))
+    name, budget = str(config["teacher"]), int(config["budget_steps"])
+    if name != ORACLE and find_teacher(name).by_trials:
+        spent = steps_of(read_trials(only(context, "trials").path(TRIALS_FILE)))
+        context.monitor.log(f"{spent:,} of {budget:,} steps are charged for the trials")
+        budget = max(0, budget - spent)
+    teacher = _teacher(name, budget, context, family, settings, space, analysis)
+    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
+    training = train(context, teacher, start=start, regions=Regions.of(analysis.curriculum))
+    write_training(context, training)
+
+
+LEARN = StageKind(name="study-teacher", function=learn_at_charged_budget)
+"""Stages of the comparison in which a teacher trains."""
+
+
+def steps_of(trials: Trials) -> int:
+    """Return the steps that trials took: rows of the log but for each trial's first."""
+    return int(trials.features.shape[0] - trials.success.size)
+
+
+def oracle_tasks(family: TaskFamily, settings: Any, analysis: Analysis) -> TaskDistribution:
+    """Return half of the tasks over the whole range and half from what is hard.
+
+    Hard are the tasks that the family wants in the end, if it says so; else the third of its
+    variants at the hard end of the parameters; else, where it knows its right groups, the last of
+    them; else the third that succeeds least after the initiation.
+    """
+    space = family.space(settings)
+    whole = space.whole_range
+    hard = family.target(settings)
+    if hard is None:
+        cells = TaskCells(analysis.parameters, analysis.variants)
+        hard = cells.distribution(_hard(family, space, analysis))
+    return TaskDistribution(
+        parameters=whole.parameters,
+        weights=np.concatenate([(1 - HARD_SHARE) * whole.weights, HARD_SHARE * hard.weights]),
+        lower=np.concatenate([whole.lower, hard.lower]),
+        upper=np.concatenate([whole.upper, hard.upper]),
+    )
+
+
+def _hard(family: TaskFamily, space: TaskSpace, analysis: Analysis) -> FloatArray:
+    variants = analysis.variants
+    third = max(1, round(len(variants) / 3))
+    if space.harder is not None:
+        order = TaskCells(analysis.parameters, variants).by_difficulty(space.harder)
+        return np.isin(np.arange(len(variants)), order[-third:]).astype(np.float64)
+    known = family.right_groups(variants)
+    if known is not None:
+        return (known[1] == len(known[0]) - 1).astype(np.float64)
+    order = np.argsort(analysis.success_rate, kind="stable")
+    return np.isin(np.arange(len(variants)), order[:third]).astype(np.float64)
+
+
+def _teacher(
+    name: str,
+    steps: int,
+    context: StageContext,
+    family: TaskFamily,
+    settings: Any,
+    space: TaskSpace,
+    analysis: Analysis,
+) -> Teacher:
+    config: Mapping[str, Any] = context.config
+    if name == ORACLE:
+        return UniformTeacher(oracle_tasks(family, settings, analysis), steps, label=ORACLE)
+    if find_teacher(name).by_trials and not analysis.curriculum.levels:
+        context.monitor.log("every group already succeeds: uniform tasks instead of a curriculum")
+        return UniformTeacher(space.whole_range, steps, seed=context.seed)
+    return make_teacher(
+        name,
+        TeacherContext(
+            curriculum=analysis.curriculum,
+            variants=analysis.variants,
+            success_rate=analysis.success_rate,
+            whole_range=space.whole_range,
+            harder=space.harder or harder_by_success(analysis.variants, analysis.success_rate),
+            total_steps=steps,
+            seed=context.seed,
+            environments=int(config["learner"]["num_envs"]),
+            target=family.target(settings),
+            analysis=from_record(AnalysisConfig, config["analysis"]),
+            advancement=from_record(AdvancementConfig, config["advancement"]),
+            teachers=from_record(TeachersConfig, config["teaching"]),
+        ),
+    )
