@@ -69,7 +69,7 @@ def test_an_environment_that_keeps_the_contract_passes():
     clauses = [f.clause for f in findings]
     assert "distance_m changes the task" in clauses
     assert "wind changes the task" in clauses
-    assert len(clauses) == 13
+    assert len(clauses) == 14
 
 
 @pytest.mark.parametrize(
@@ -224,7 +224,7 @@ def test_observations_of_several_parts_are_checked_and_only_the_boxes_are_missin
 def test_the_command_prints_clauses_and_ends_with_its_code(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(["check", "own_point:make_env"]) == 0
-    assert "All 13 clauses hold." in capsys.readouterr().out
+    assert "All 14 clauses hold." in capsys.readouterr().out
     (tmp_path / "deaf_env.py").write_text(
         "from own_point import make_point\n"
         "def make_env():\n    return make_point(set_task=lambda env, task: None)\n",
@@ -233,7 +233,7 @@ def test_the_command_prints_clauses_and_ends_with_its_code(capsys, tmp_path, mon
     assert run(["check", "deaf_env:make_env"]) == 3
     out = capsys.readouterr().out
     assert "BROKEN  distance_m changes the task" in out
-    assert "2 of 13 clauses broken." in out
+    assert "2 of 14 clauses broken." in out
 
 
 @pytest.mark.parametrize(

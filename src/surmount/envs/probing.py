@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -31,6 +32,8 @@ class Episode:
         Whether it came to an end.
     is_success
         What the infos told at its end.
+    unusable
+        The observation that ended it as diverged, shape ``(observation,)``, or ``None``.
     """
 
     observations: FloatArray
@@ -39,6 +42,7 @@ class Episode:
     variant: FloatArray
     ended: bool
     is_success: bool
+    unusable: FloatArray | None
 
 
 def episode_of(
@@ -72,6 +76,7 @@ def episode_of(
         variant=np.asarray(info["variant"], dtype=np.float64),
         ended=ended,
         is_success=bool(info["is_success"]),
+        unusable=None if env.unusable is None else _numbers(env, env.unusable),
     )
 
 
@@ -84,7 +89,11 @@ def same(first: Episode, second: Episode) -> bool:
 
 def _raw(env: TaskEnv) -> FloatArray:
     """Return what the wrapped environment returned last as numbers, shape ``(observation,)``."""
-    space, observation = env.env.observation_space, env.last_observation
+    return _numbers(env, env.last_observation)
+
+
+def _numbers(env: TaskEnv, observation: Any) -> FloatArray:
+    space = env.env.observation_space
     if isinstance(space, gymnasium.spaces.Dict | gymnasium.spaces.Tuple):
         observation = gymnasium.spaces.flatten(space, observation)
     return np.asarray(observation, dtype=np.float64).ravel()

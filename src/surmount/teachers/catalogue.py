@@ -121,7 +121,7 @@ class TeacherContext:
     @property
     def cells(self) -> TaskCells:
         """One cell per variant."""
-        return TaskCells(self.curriculum.parameters, self.variants)
+        return TaskCells(self.curriculum.parameters, self.variants, self.curriculum.axes)
 
 
 @dataclass(frozen=True, kw_only=True)

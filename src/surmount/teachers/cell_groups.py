@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.axis import variant_text
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum
 
@@ -49,7 +50,7 @@ class CellGroups:
     @classmethod
     def single(cls, cells: TaskCells) -> CellGroups:
         """Return every cell as a group of its own: nothing is pooled."""
-        names = tuple(", ".join(f"{value:g}" for value in task) for task in cells.variants)
+        names = tuple(variant_text(cells.axes, task) for task in cells.variants)
         return cls(cells, names, np.arange(cells.count))
 
     @property

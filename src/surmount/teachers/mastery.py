@@ -202,6 +202,7 @@ class MasteryTeacher(BudgetTeacher):
             ),
             lower=np.concatenate([part.lower for part in parts]),
             upper=np.concatenate([part.upper for part in parts]),
+            axes=self._curriculum.axes,
         )
 
     def _state(self) -> dict[str, Any]:

@@ -75,13 +75,14 @@ def oracle_tasks(family: TaskFamily, settings: Any, analysis: Analysis) -> TaskD
     whole = space.whole_range
     hard = family.target(settings)
     if hard is None:
-        cells = TaskCells(analysis.parameters, analysis.variants)
+        cells = TaskCells(analysis.parameters, analysis.variants, space.axes)
         hard = cells.distribution(_hard(family, space, analysis))
     return TaskDistribution(
         parameters=whole.parameters,
         weights=np.concatenate([(1 - HARD_SHARE) * whole.weights, HARD_SHARE * hard.weights]),
         lower=np.concatenate([whole.lower, hard.lower]),
         upper=np.concatenate([whole.upper, hard.upper]),
+        axes=whole.axes,
     )
 
 
@@ -89,7 +90,7 @@ def _hard(family: TaskFamily, space: TaskSpace, analysis: Analysis) -> FloatArra
     variants = analysis.variants
     third = max(1, round(len(variants) / 3))
     if space.harder is not None:
-        order = TaskCells(analysis.parameters, variants).by_difficulty(space.harder)
+        order = TaskCells(analysis.parameters, variants, space.axes).by_difficulty(space.harder)
         return np.isin(np.arange(len(variants)), order[-third:]).astype(np.float64)
     known = family.right_groups(variants)
     if known is not None:
