@@ -48,13 +48,13 @@ def teachers(
 
     workers.checked()
     plans = read_plan(plan)
-    unknown = [name for name in tasks if name not in {one.name for one in plans}]
+    unknown = [name for name in tasks if name not in {one.label for one in plans}]
     if unknown:
         raise ConfigError(
             f"The plan has no task `{unknown[0]}`.",
-            remedy=f"Choose among {', '.join(one.name for one in plans)}.",
+            remedy=f"Choose among {', '.join(one.label for one in plans)}.",
         )
-    chosen = [one for one in plans if not tasks or one.name in tasks]
+    chosen = [one for one in plans if not tasks or one.label in tasks]
     graph = comparison_stages(chosen, headroom_only=headroom)
     console = Console()
     with sole_user(out):

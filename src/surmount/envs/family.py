@@ -57,6 +57,19 @@ class TaskFamily(ABC):
         del settings
         return None
 
+    def difficulty(self, variants: FloatArray) -> FloatArray | None:
+        """Return how hard variants are known to be, ``(variant,)``, larger is harder.
+
+        Only an oracle uses it, and only where the parameters do not tell.
+
+        Parameters
+        ----------
+        variants
+            Shape ``(variant, parameter)``.
+        """
+        del variants
+        return None
+
     def right_groups(self, variants: FloatArray) -> tuple[tuple[str, ...], IntArray] | None:
         """Return what is known of the right grouping; ``None`` where nothing is.
 

@@ -162,6 +162,10 @@ class ShuffledFamily(ObstacleFamily):
             variants=np.arange(count, dtype=np.float64)[:, None],
         )
 
+    def difficulty(self, variants: FloatArray) -> FloatArray:
+        """Return the heights behind the codes, in mm."""
+        return Codes().heights(variants[:, 0])
+
     def right_groups(self, variants: FloatArray) -> tuple[tuple[str, ...], IntArray]:
         """Return the paper's groups, by the heights behind the codes."""
         heights = Codes().heights(variants[:, 0])

@@ -57,6 +57,10 @@ class PointMassFamily(TaskFamily):
             upper=centres + reach,
         )
 
+    def difficulty(self, variants: FloatArray) -> FloatArray:
+        """Return how far the gate's nearer edge is from the straight way."""
+        return np.abs(variants[:, 0]) - 0.5 * variants[:, 1]
+
     def right_groups(self, variants: FloatArray) -> tuple[tuple[str, ...], IntArray]:
         """Return straight, left and right, the ways that there are."""
         return point_mass.right_groups(variants)

@@ -112,19 +112,17 @@ def test_trials_cost_their_steps_and_who_needs_no_groups_pays_nothing():
 def test_half_of_the_oracles_tasks_are_what_the_family_wants_or_the_hard_third():
     analysis = determine_curriculum(trials_of([40] * 18), AnalysisConfig(max_components=2))
     family = PointMassFamily()
-    drawn = oracle_tasks(family, None, analysis).sample(np.random.default_rng(0), 20_000)
+    target = family.target(None)
+    drawn = oracle_tasks(family, None, analysis, target).sample(np.random.default_rng(0), 20_000)
     narrow = (np.abs(np.abs(drawn[:, 0]) - 3) <= 0.02) & (drawn[:, 1] <= 0.52)
     assert narrow.mean() == pytest.approx(0.5, abs=0.02)
 
     class Ordered(PointMassFamily):
-        def target(self, settings):
-            return None
-
         def space(self, settings):
             space = super().space(settings)
             return TaskSpace(**{**vars(space), "harder": (1, -1)})
 
-    hard = oracle_tasks(Ordered(), None, analysis)
+    hard = oracle_tasks(Ordered(), None, analysis, None)
     assert hard.weights[1:].sum() == pytest.approx(0.5)
     assert (hard.weights[1:] > 0).sum() == 1
     assert hard.upper[1:][hard.weights[1:] > 0][0, 0] == 3.0  # to the right
@@ -144,6 +142,7 @@ def task_of(headroom: float, **gains: float) -> dict:
         "role": "held out",
         "planned": {"networks": 20, "pilot": 20, "budget_steps": 1},
         "headroom": against(*scores(headroom), 0),
+        "ablations": {"frontier-cells": against(*scores(0.1), 0)},
         "teachers": [
             {
                 "name": name,
@@ -180,7 +179,11 @@ def test_outcomes_are_read_as_the_plan_says():
     assert "gain nothing sure on Task" in second
     page = document_of({"tasks": tasks})
     assert page.summary == tuple(answer(tasks))
-    table = page.sections[0].blocks[-1]
+    table, ablations = page.sections[0].blocks[-2:]
+    # One comparison on the only task with headroom: Holm leaves its p value as it is.
+    only = tasks[0]["ablations"]["frontier-cells"]
+    assert only["holm_p"] == only["wilcoxon_p"]
+    assert len(ablations.rows) == 2
     assert [row[-1] for row in table.rows] == ["helps", "no harm", "harms", "no harm", "no harm"]
 
 

@@ -25,7 +25,7 @@ from surmount.workflow.run_layout import (
 
 def stage_name(plan: TaskPlan, kind: str, network: int) -> str:
     """Return the name of a stage of one task."""
-    return f"{plan.name}/{per_network(kind, network)}"
+    return f"{plan.label}/{per_network(kind, network)}"
 
 
 def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False) -> list[Stage]:
@@ -63,7 +63,7 @@ def _network(plan: TaskPlan, network: int, *, headroom_only: bool) -> Iterator[S
         name=initial,
         kind=kinds.INITIATION,
         config=train | {"initial_steps": record["initial_steps"]},
-        seed=stage_seed(config, initial),
+        seed=_seed(plan, INITIATION, network),
     )
     tried = stage_name(plan, TRIALS[INITIATION], network)
     yield from trial_stages(config, tried, record["trials"], network, initial)
@@ -73,7 +73,7 @@ def _network(plan: TaskPlan, network: int, *, headroom_only: bool) -> Iterator[S
         name=analysed,
         kind=kinds.ANALYSIS,
         config={"analysis": record["analysis"] | {"harder": list(harder)}},
-        seed=stage_seed(config, analysed),
+        seed=_seed(plan, ANALYSIS, network),
         inputs={"trials": (tried,)},
     )
     for teacher in arms(plan, network, headroom_only=headroom_only):
@@ -86,14 +86,20 @@ def _network(plan: TaskPlan, network: int, *, headroom_only: bool) -> Iterator[S
             | {
                 "teacher": teacher,
                 "budget_steps": plan.budget_steps,
+                "towards": plan.towards,
                 "teaching": _settings(plan, teacher),
             },
             # One seed for all teachers of a network: pairs differ by what is taught alone.
-            seed=stage_seed(config, stage_name(plan, "teach", network)),
+            seed=_seed(plan, "teach", network),
             inputs={"network": (initial,), "trials": (tried,), "analysis": (analysed,)},
         )
         tested = stage_name(plan, taught_trials(teacher), network)
         yield from trial_stages(config, tested, record["tests"], network, learnt)
+
+
+def _seed(plan: TaskPlan, kind: str, network: int) -> int:
+    """Return a seed that does not depend on the setting: settings are compared in pairs too."""
+    return stage_seed(plan.config, per_network(kind, network))
 
 
 def _settings(plan: TaskPlan, teacher: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.seeds import derive_seed
 from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
@@ -35,6 +35,9 @@ MARGIN = 0.05
 """Loss of mean success that counts as no harm."""
 HARD_SHARE = 0.25
 """Share of a network's worst variants that the mean over the worst is taken of."""
+
+ABLATED, ABLATIONS = "frontier", ("frontier-cells", "frontier-parameters")
+"""The teacher whose ideas are taken out one by one, and itself without each."""
 
 Record = dict[str, Any]
 
@@ -95,14 +98,15 @@ def against(first: FloatArray, second: FloatArray, seed: int) -> Record:
 
 
 def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
-    seed = derive_seed(plan.config.seed, "judging", plan.name)
+    seed = derive_seed(plan.config.seed, "judging", plan.label)
     names = (*plan.teachers, ORACLE)
     found = {name: _scores(plan, taught_trials(name), artefacts) for name in names}
     reference = found[REFERENCE]
+    initial = _scores(plan, TRIALS[INITIATION], artefacts)
     space = plan.config.family.space(plan.config.env)
     return {
-        "name": plan.name,
-        "title": plan.config.family.title,
+        "name": plan.label,
+        "title": plan.config.family.title + ("" if plan.towards == "range" else ", target tasks"),
         "role": plan.role,
         "planned": {
             "networks": plan.networks,
@@ -110,15 +114,21 @@ def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
             "budget_steps": plan.budget_steps,
         },
         "parameters": list(space.parameters),
-        "variants": space.variants.tolist(),
-        "initial": _listed(_scores(plan, TRIALS[INITIATION], artefacts)),
+        "variants": space.variants[judged_variants(plan)].tolist(),
+        "initial": _listed(initial),
         "headroom": _against(found[ORACLE], reference, seed),
+        "ablations": {
+            name: _against(found[ABLATED], found[name], seed)
+            for name in ABLATIONS
+            if name in found and ABLATED in found
+        },
         "teachers": [
             {
                 "name": name,
                 "title": find_teacher(name).title,
                 "success": _listed(found[name]),
                 "summary": _summary(found[name], seed),
+                "below_initial": _below(found[name], initial),
                 "against": None if name == REFERENCE else _against(found[name], reference, seed),
             }
             for name in plan.teachers
@@ -126,14 +136,36 @@ def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
     }
 
 
+def judged_variants(plan: TaskPlan) -> BoolArray:
+    """Return which variants count: all, or those among the target tasks; ``(variant,)``."""
+    family = plan.config.family
+    variants = family.space(plan.config.env).variants
+    target = family.target(plan.config.env) if plan.towards == "target" else None
+    if target is None:
+        return np.ones(len(variants), dtype=np.bool_)
+    lower, upper = target.lower[:, None], target.upper[:, None]
+    inside = ((lower <= variants) & (variants <= upper)).all(axis=2).any(axis=0)
+    return np.asarray(inside, dtype=np.bool_)
+
+
 def _scores(plan: TaskPlan, kind: str, artefacts: Mapping[str, Artefact]) -> dict[int, FloatArray]:
-    """Return the success of each finished network on every variant."""
+    """Return the success of each finished network on every variant that counts."""
+    counts = judged_variants(plan)
     names = {network: stage_name(plan, kind, network) for network in range(plan.networks)}
     return {
-        network: success_matrix(pooled_trials((artefacts[name],)))[0]
+        network: success_matrix(pooled_trials((artefacts[name],)))[0][counts]
         for network, name in names.items()
         if name in artefacts
     }
+
+
+def _below(scores: Mapping[int, FloatArray], initial: Mapping[int, FloatArray]) -> int:
+    """Count the networks that end below their initial network."""
+    return sum(
+        bool(rates.mean() < initial[network].mean())
+        for network, rates in scores.items()
+        if network in initial
+    )
 
 
 def _listed(scores: Mapping[int, FloatArray]) -> dict[str, list[float]]:
@@ -174,17 +206,20 @@ def _wilcoxon(differences: FloatArray) -> float:
 
 
 def _adjust(tasks: Sequence[Record]) -> None:
-    """Add Holm's p values over all comparisons on the held-out tasks that have headroom."""
-    compared = [
-        teacher["against"]
-        for task in tasks
-        if task["role"] == "held out" and has_headroom(task)
-        for teacher in task["teachers"]
-        if teacher["against"] is not None
-    ]
-    adjusted = holm([one["wilcoxon_p"] for one in compared]).tolist() if compared else []
-    for one, p in zip(compared, adjusted, strict=True):
-        one["holm_p"] = p
+    """Add Holm's p values over all comparisons on the held-out tasks that have headroom.
+
+    Those with the reference are one family, those of the ablations another.
+    """
+    counted = [task for task in tasks if task["role"] == "held out" and has_headroom(task)]
+    families = (
+        [teacher["against"] for task in counted for teacher in task["teachers"]],
+        [found for task in counted for found in task["ablations"].values()],
+    )
+    for family in families:
+        compared = [one for one in family if one is not None]
+        adjusted = holm([one["wilcoxon_p"] for one in compared]).tolist()
+        for one, p in zip(compared, adjusted, strict=True):
+            one["holm_p"] = p
 
 
 def has_headroom(task: Mapping[str, Any]) -> bool:

@@ -64,16 +64,18 @@ def steps_of(trials: Trials) -> int:
     return int(trials.features.shape[0] - trials.success.size)
 
 
-def oracle_tasks(family: TaskFamily, settings: Any, analysis: Analysis) -> TaskDistribution:
+def oracle_tasks(
+    family: TaskFamily, settings: Any, analysis: Analysis, target: TaskDistribution | None
+) -> TaskDistribution:
     """Return half of the tasks over the whole range and half from what is hard.
 
-    Hard are the tasks that the family wants in the end, if it says so; else the third of its
-    variants at the hard end of the parameters; else, where it knows its right groups, the last of
-    them; else the third that succeeds least after the initiation.
+    Hard are the target tasks, where these are wanted; else the third of the variants at the hard
+    end of the parameters, or by what else the family knows of difficulty; else the third that
+    succeeds least after the initiation.
     """
     space = family.space(settings)
     whole = space.whole_range
-    hard = family.target(settings)
+    hard = target
     if hard is None:
         cells = TaskCells(analysis.parameters, analysis.variants, space.axes)
         hard = cells.distribution(_hard(family, space, analysis))
@@ -92,10 +94,8 @@ def _hard(family: TaskFamily, space: TaskSpace, analysis: Analysis) -> FloatArra
     if space.harder is not None:
         order = TaskCells(analysis.parameters, variants, space.axes).by_difficulty(space.harder)
         return np.isin(np.arange(len(variants)), order[-third:]).astype(np.float64)
-    known = family.right_groups(variants)
-    if known is not None:
-        return (known[1] == len(known[0]) - 1).astype(np.float64)
-    order = np.argsort(analysis.success_rate, kind="stable")
+    known = family.difficulty(variants)
+    order = np.argsort(analysis.success_rate if known is None else -known, kind="stable")
     return np.isin(np.arange(len(variants)), order[:third]).astype(np.float64)
 
 
@@ -109,8 +109,10 @@ def _teacher(
     analysis: Analysis,
 ) -> Teacher:
     config: Mapping[str, Any] = context.config
+    target = family.target(settings) if config["towards"] == "target" else None
     if name == ORACLE:
-        return UniformTeacher(oracle_tasks(family, settings, analysis), steps, label=ORACLE)
+        tasks = oracle_tasks(family, settings, analysis, target)
+        return UniformTeacher(tasks, steps, label=ORACLE)
     if find_teacher(name).by_trials and not analysis.curriculum.levels:
         context.monitor.log("every group already succeeds: uniform tasks instead of a curriculum")
         return UniformTeacher(space.whole_range, steps, seed=context.seed)
@@ -125,7 +127,7 @@ def _teacher(
             total_steps=steps,
             seed=context.seed,
             environments=int(config["learner"]["num_envs"]),
-            target=family.target(settings),
+            target=target,
             analysis=from_record(AnalysisConfig, config["analysis"]),
             advancement=from_record(AdvancementConfig, config["advancement"]),
             teachers=from_record(TeachersConfig, config["teaching"]),

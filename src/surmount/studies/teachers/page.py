@@ -35,6 +35,7 @@ def document_of(record: Record) -> Document:
         ),
         *([] if (figure := differences_figure(tasks)) is None else [figure]),
         _choice_table(tasks),
+        *([] if (ablations := _ablation_table(tasks)) is None else [ablations]),
     ]
     return Document(
         title="Which teacher helps where",
@@ -104,6 +105,38 @@ def _choice_table(tasks: Sequence[Record]) -> Table:
     )
 
 
+def _ablation_table(tasks: Sequence[Record]) -> Table | None:
+    rows = [
+        (
+            task["title"],
+            name,
+            str(found["networks"]),
+            _difference(found["mean"]),
+            f"{found.get('holm_p', found['wilcoxon_p']):.3f}",
+            _detectable(found),
+        )
+        for task in tasks
+        for name, found in task["ablations"].items()
+        if found is not None
+    ]
+    if not rows:
+        return None
+    return Table(
+        label="",
+        title="What the frontier owes to its groups",
+        columns=(
+            Column(heading="task"),
+            Column(heading="frontier against"),
+            Column(heading="pairs", numeric=True),
+            Column(heading="mean, points", numeric=True),
+            Column(heading="p", numeric=True),
+            Column(heading="detectable, points", numeric=True),
+        ),
+        rows=tuple(rows),
+        notes=("As above; these comparisons are a family of their own for Holm.",),
+    )
+
+
 def _difference(mean: Record) -> str:
     estimate = signed(100 * mean["estimate"])
     if mean["lower"] is None:
@@ -124,6 +157,7 @@ def _score_table(task: Record) -> Table:
             percent(summary["mean"]["estimate"]),
             percent(summary["interquartile_mean"]["estimate"]),
             percent(summary["worst"]),
+            str(teacher["below_initial"]),
         )
         for teacher in task["teachers"]
         if (summary := teacher["summary"]) is not None
@@ -145,6 +179,7 @@ def _score_table(task: Record) -> Table:
             Column(heading="mean", numeric=True),
             Column(heading="interquartile mean", numeric=True),
             Column(heading="worst quarter of variants", numeric=True),
+            Column(heading="below their initial network", numeric=True),
         ),
         rows=tuple(rows),
         notes=(said,),
