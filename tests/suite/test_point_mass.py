@@ -14,15 +14,15 @@ from surmount.tasks.distribution import TaskDistribution
 
 
 def published_step(state, action, task, noise):
-    """The publication's step for one mass: ten ticks by Euler, a straight cut at the wall."""
+    """The publication's step for one mass: ten parts by Euler, a straight cut at the wall."""
     state = list(state)
-    for tick in range(10):
+    for part in range(10):
         x, vx, y, vy = state
         new = [
             min(4.0, max(-4.0, x + 0.01 * vx)),
-            vx + 0.01 * (1.5 * action[0] + noise[tick][0]),
+            vx + 0.01 * (1.5 * action[0] + noise[part][0]),
             min(4.0, max(-4.0, y + 0.01 * vy)),
-            vy + 0.01 * (1.5 * action[1] + noise[tick][1]),
+            vy + 0.01 * (1.5 * action[1] + noise[part][1]),
         ]
         if y >= 0 > new[2] or y <= 0 < new[2]:
             share = (0.0 - y) / (new[2] - y)

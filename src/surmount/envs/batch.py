@@ -47,7 +47,7 @@ class TaskBatch:
         self.task_parameters = first.task_parameters
         self.task_axes = first.task_axes
         self.feature_names = first.feature_names
-        self.decision_interval_s = first.decision_s
+        self.step_s = first.step_s
         self.single_observation_space = _box(first.observation_space, "observations")
         self.single_action_space = _box(first.action_space, "actions")
         self._autoreset = autoreset
@@ -80,7 +80,7 @@ class TaskBatch:
     def step(
         self, actions: Any
     ) -> tuple[FloatArray, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
-        """Take one decision in every environment whose episode is not over."""
+        """Take one step in every environment whose episode is not over."""
         rewards = np.zeros(self.num_envs)
         terminated = np.zeros(self.num_envs, dtype=np.bool_)
         truncated = np.zeros(self.num_envs, dtype=np.bool_)
@@ -104,7 +104,7 @@ class TaskBatch:
         return {f"env-{index}": env.state_dict() for index, env in enumerate(self.envs)}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go back to a saved state by taking the decisions of unfinished episodes again.
+        """Go back to a saved state by taking the steps of unfinished episodes again.
 
         An environment that does not come to where it was is warned of: it holds something that
         neither its seed nor its actions tell.
@@ -112,7 +112,7 @@ class TaskBatch:
         for index, env in enumerate(self.envs):
             if not env.load_state_dict(state[f"env-{index}"]):
                 warnings.warn(
-                    "An environment took the same decisions with the same seed and came elsewhere: "
+                    "An environment took the same steps with the same seed and came elsewhere: "
                     "training goes on, but not as it would have without interruption. Check it "
                     "with `surmount check`.",
                     stacklevel=2,

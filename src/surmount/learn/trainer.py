@@ -104,7 +104,7 @@ class Trainer:
         regions: Regions | None = None,
     ) -> None:
         self._regions = regions
-        rates = config.at_interval(env.decision_interval_s)
+        rates = config.at_interval(env.step_s)
         self._recorder = Recorder(env)
         self._normaliser = Normaliser(
             self._recorder,
@@ -212,7 +212,7 @@ class Trainer:
             raise LearningError(
                 f"Every episode of the last {MOST_IN_A_ROW} roll-outs ended because the physics "
                 f"diverged, last at {self._recorder.steps:,} steps.",
-                remedy="Shorten the physics' tick, `env.robot.physics_tick_s`.",
+                remedy="Shorten the physics step, `env.robot.physics_step_s`.",
             )
 
     def _push_distribution(self) -> None:
@@ -261,7 +261,7 @@ class Trainer:
         if config.noise_correlation_s:
             record[snapshot.NOISE] = {
                 "correlation_s": config.noise_correlation_s,
-                "decision_interval_s": self._recorder.env.decision_interval_s,
+                "step_s": self._recorder.env.step_s,
             }
         return record
 

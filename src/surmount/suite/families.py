@@ -77,7 +77,7 @@ class PointMassFamily(TaskFamily):
     def cap_s(self, settings: NoSettings) -> float:
         """Return the cap of an episode in s."""
         del settings
-        return point_mass.EPISODE_STEPS * point_mass.TICKS * point_mass.TICK_S
+        return point_mass.EPISODE_STEPS * point_mass.PHYSICS_STEPS * point_mass.PHYSICS_STEP_S
 
     def training_env(self, settings: NoSettings, num_envs: int) -> TaskVectorEnv:
         """Build masses that begin anew when an episode ends."""

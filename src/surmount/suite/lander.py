@@ -40,7 +40,7 @@ def make_lander() -> Any:
             "tilt_rad": lambda transition: transition.observation[4],
         },
         observe_task=True,
-        decision_s=STEP_S,
+        step_s=STEP_S,
     )
 
 

@@ -27,10 +27,10 @@ STRONGEST_ACTION = 10.0
 FORCE = 1.5
 """Acceleration by an action of one."""
 NOISE = 0.05
-"""Standard deviation of the acceleration's noise in each tick."""
-TICK_S = 0.01
-"""Length of a tick of the dynamics."""
-TICKS = 10
+"""Standard deviation of the acceleration's noise in each physics step."""
+PHYSICS_STEP_S = 0.01
+"""Length of a physics step of the dynamics."""
+PHYSICS_STEPS = 10
 """Ticks for which an action is held."""
 EPISODE_STEPS = 100
 """Steps after which an episode is cut."""
@@ -52,7 +52,7 @@ authors' repository."""
 def push(
     state: FloatArray, actions: FloatArray, task: FloatArray, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the states after an action is held for :data:`TICKS`, and who hit the wall.
+    """Return the states after an action is held for :data:`PHYSICS_STEPS`, and who hit the wall.
 
     Parameters
     ----------
@@ -66,15 +66,15 @@ def push(
         Draws the noise, the same numbers whoever hits the wall.
     """
     actions = np.clip(actions, -STRONGEST_ACTION, STRONGEST_ACTION)
-    noise = rng.normal(0.0, NOISE, (TICKS, len(state), 2))
+    noise = rng.normal(0.0, NOISE, (PHYSICS_STEPS, len(state), 2))
     place, velocity = state[:, 0::2].copy(), state[:, 1::2].copy()
     crashed: BoolArray = np.zeros(len(state), dtype=np.bool_)
-    for tick in range(TICKS):
-        new = np.clip(place + TICK_S * velocity, -WALL, WALL)
+    for part in range(PHYSICS_STEPS):
+        new = np.clip(place + PHYSICS_STEP_S * velocity, -WALL, WALL)
         before, after = place[:, 1], new[:, 1]
         crossing = ((before >= 0) & (after < 0)) | ((before <= 0) & (after > 0))
         velocity = np.where(
-            crashed[:, None], 0.0, velocity + TICK_S * (FORCE * actions + noise[tick])
+            crashed[:, None], 0.0, velocity + PHYSICS_STEP_S * (FORCE * actions + noise[part])
         )
         if crossing.any():
             share = before / np.where(crossing, before - after, 1.0)

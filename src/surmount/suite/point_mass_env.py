@@ -14,11 +14,11 @@ from surmount.suite.point_mass import (
     EPISODE_STEPS,
     GOAL_DISTANCE,
     LOWER,
+    PHYSICS_STEP_S,
+    PHYSICS_STEPS,
     START,
     STRONGEST_ACTION,
     SUCCESS_DISTANCE,
-    TICK_S,
-    TICKS,
     UPPER,
     WALL,
     distance_to_goal,
@@ -29,7 +29,7 @@ from surmount.tasks.distribution import TaskDistribution
 
 PARAMETERS = ("gate_position", "gate_width")
 """Names of the task parameters; the publication's plane has no unit."""
-STEP_S = TICK_S * TICKS
+STEP_S = PHYSICS_STEP_S * PHYSICS_STEPS
 
 
 class PointMassVectorEnv:
@@ -48,7 +48,7 @@ class PointMassVectorEnv:
 
     task_parameters: tuple[str, ...] = PARAMETERS
     feature_names: tuple[str, ...] = ("time_s", "x", "y", "distance")
-    decision_interval_s: float = STEP_S
+    step_s: float = STEP_S
     render_mode: str | None = None
 
     def __init__(self, num_envs: int, *, autoreset: bool = True) -> None:
