@@ -32,8 +32,6 @@ from .experiment.experiment import Experiment as Experiment
 from .experiment.presets import preset as preset
 from .exports.formats import export_curriculum as export_curriculum
 from .exports.ml_agents import export_ml_agents as export_ml_agents
-from .exports.trial_logs import Columns as Columns
-from .exports.trial_logs import read_log as read_log
 from .learn.callback import TeacherCallback as TeacherCallback
 from .learn.config import LearnerConfig as LearnerConfig
 from .learn.presets import ML_AGENTS as ML_AGENTS
@@ -65,24 +63,34 @@ from .teachers.catalogue import TEACHERS as TEACHERS
 from .teachers.catalogue import TeacherContext as TeacherContext
 from .teachers.catalogue import TeachersConfig as TeachersConfig
 from .teachers.catalogue import make_teacher as make_teacher
+from .teachers.cell_groups import CellGroups as CellGroups
+from .teachers.frontier import FrontierTeacher as FrontierTeacher
+from .teachers.frontier_config import FrontierConfig as FrontierConfig
 from .teachers.learnability import LearnabilityConfig as LearnabilityConfig
 from .teachers.learnability import LearnabilityTeacher as LearnabilityTeacher
 from .teachers.learning_progress import LearningProgressConfig as LearningProgressConfig
 from .teachers.learning_progress import LearningProgressTeacher as LearningProgressTeacher
 from .teachers.levels import LevelTeacher as LevelTeacher
+from .teachers.mastery import MasteryConfig as MasteryConfig
+from .teachers.mastery import MasteryTeacher as MasteryTeacher
 from .teachers.promotion import PromotionTeacher as PromotionTeacher
 from .teachers.replay import ReplayConfig as ReplayConfig
 from .teachers.replay import ReplayTeacher as ReplayTeacher
 from .teachers.self_paced import SelfPacedConfig as SelfPacedConfig
 from .teachers.self_paced import SelfPacedTeacher as SelfPacedTeacher
+from .teachers.success_guided import SuccessGuidedConfig as SuccessGuidedConfig
+from .teachers.success_guided import SuccessGuidedTeacher as SuccessGuidedTeacher
 from .teachers.teacher import LevelTest as LevelTest
 from .teachers.teacher import RolloutOutcome as RolloutOutcome
 from .teachers.teacher import Teacher as Teacher
 from .teachers.teacher import TeacherStatus as TeacherStatus
 from .teachers.uniform import UniformTeacher as UniformTeacher
+from .trials.columns import Columns as Columns
+from .trials.example import load_example as load_example
 from .trials.table import read_trials as read_trials
 from .trials.table import trials_from_table as trials_from_table
 from .trials.table import write_trials as write_trials
+from .trials.trial_arrays import trials_from_arrays as trials_from_arrays
 from .trials.trials import Trials as Trials
 
 __version__: str

@@ -14,7 +14,7 @@ from surmount.analysis.cut import may_divide
 from surmount.analysis.description import describe_variants
 from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
-from surmount.analysis.trust import unstable_parts
+from surmount.analysis.trust import hanging, unstable_parts
 
 _FEW_TRIALS = 10
 _SHOWN = 5
@@ -36,6 +36,7 @@ def analysis_warnings(analysis: Analysis, *, outliers: Mapping[str, float]) -> A
     found = [
         *_about_data(analysis),
         *_about_outliers(analysis, outliers),
+        *_about_features(analysis),
         *_about_fits(analysis),
         *_about_groups(analysis),
         *_about_order(analysis),
@@ -45,7 +46,7 @@ def analysis_warnings(analysis: Analysis, *, outliers: Mapping[str, float]) -> A
 
 
 def _about_data(analysis: Analysis) -> list[str]:
-    found: list[str] = []
+    found: list[str] = list(analysis.notes)
     if analysis.features.dropped:
         found.append(
             "Left out because they never change, or by rounding only: "
@@ -79,6 +80,35 @@ def _about_outliers(analysis: Analysis, outliers: Mapping[str, float]) -> list[s
     return [warning]
 
 
+_SUSPECTED = {
+    "clock": "rises over the whole table from trial to trial, as a clock or a counter does",
+    "task": "has a single value on each variant, as the task itself has",
+}
+
+
+def _about_features(analysis: Analysis) -> list[str]:
+    """Warn of features that may not be behaviour, and of those that decide alone."""
+    found: list[str] = []
+    hung_on = hanging(analysis)
+    for one in analysis.suspects:
+        hang = f", and the groups hang on it ({_groups(one.n_groups)} without it)"
+        found.append(
+            f"`{one.feature}` {_SUSPECTED[one.kind]}{hang if one.feature in hung_on else ''}. If "
+            "it is no behaviour, leave it out (name the others with `features`)."
+        )
+    suspected = {one.feature for one in analysis.suspects}
+    found += [
+        f"Without `{name}` all variants are one group: the groups stand on this one feature."
+        for name in hung_on
+        if name not in suspected
+    ]
+    return found
+
+
+def _groups(count: int) -> str:
+    return "one group" if count == 1 else f"{count} groups"
+
+
 def _about_fits(analysis: Analysis) -> list[str]:
     found: list[str] = []
     if analysis.not_converged:
@@ -95,8 +125,9 @@ def _about_fits(analysis: Analysis) -> list[str]:
         )
     if analysis.collapsed:
         found.append(
-            f"Components collapsed and were removed ({analysis.collapsed} in all): their variants "
-            "hold fewer distinct samples than components."
+            f"Components collapsed and were removed ({analysis.collapsed} in all): each had come "
+            "to describe fewer samples than a covariance needs "
+            f"({len(analysis.features.names) + 1})."
         )
     curve = analysis.bic
     if curve and curve.minimum == curve.components[-1] == analysis.config.max_components:
