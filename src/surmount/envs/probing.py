@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import gymnasium
 import numpy as np
 
 from surmount.core.arrays import FloatArray
+from surmount.envs.observations import numbers
 from surmount.envs.task_env import TaskEnv
 
 LONGEST_EPISODE = 20_000
@@ -84,7 +84,4 @@ def same(first: Episode, second: Episode) -> bool:
 
 def _raw(env: TaskEnv) -> FloatArray:
     """Return what the wrapped environment returned last as numbers, shape ``(observation,)``."""
-    space, observation = env.env.observation_space, env.last_observation
-    if isinstance(space, gymnasium.spaces.Dict | gymnasium.spaces.Tuple):
-        observation = gymnasium.spaces.flatten(space, observation)
-    return np.asarray(observation, dtype=np.float64).ravel()
+    return numbers(env.last_observation)
