@@ -14,8 +14,8 @@ from surmount.learn.recorder import Recorder
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.learn.stable_actor import StableActor
-from surmount.learn.stable_config import StableConfig
-from surmount.learn.stable_learner import ALGORITHM, StableLearner
+from surmount.learn.stable_config import ALGORITHM, StableConfig
+from surmount.learn.stable_learner import StableLearner
 
 
 def make_learner(env: Recorder, config: LearnerConfig, *, seed: int) -> Learner:

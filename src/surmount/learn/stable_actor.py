@@ -27,8 +27,8 @@ from surmount.learn.fed_env import FedVecEnv
 from surmount.learn.learner import Acts
 from surmount.learn.model_state import POLICY, put_statistics, wrappers
 from surmount.learn.snapshot import Snapshot
-from surmount.learn.stable_config import StableConfig
-from surmount.learn.stable_learner import ALGORITHM, wrapped
+from surmount.learn.stable_config import ALGORITHM, StableConfig
+from surmount.learn.stable_learner import wrapped
 
 
 class StableActor:

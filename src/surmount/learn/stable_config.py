@@ -12,6 +12,9 @@ from surmount.core.errors import InputError
 from surmount.envs.observations import is_image
 from surmount.learn.config import LearnerConfig
 
+ALGORITHM = "algorithm"
+"""Key of a network's record: how the model was made that it is the policy of."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class StableConfig:

@@ -36,13 +36,11 @@ from surmount.learn.model_state import (
 )
 from surmount.learn.recorder import Recorder
 from surmount.learn.snapshot import Tensors
-from surmount.learn.stable_config import StableConfig
+from surmount.learn.stable_config import ALGORITHM, StableConfig
 
 RESTORED = (VecNormalize, VecFrameStack, VecTransposeImage, VecMonitor, VecCheckNan,
             VecExtractDictObs)  # fmt: skip
 """Wrappers without state, or whose state is kept."""
-ALGORITHM = "algorithm"
-"""Key of a network's record: how the model was made that it is the policy of."""
 
 
 class StableLearner:
