@@ -56,6 +56,7 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     from surmount.experiment.experiment import Experiment
     from surmount.report.pages import write_report
     from surmount.report.teachers_page import write_teachers_report
+    from surmount.tasks.curriculum import ONE_GROUP
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
@@ -70,6 +71,8 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
     write_report(options.out)
     page = write_teachers_report(record, options.out)
+    if len(record["groups"]) == 1:
+        console.print(f"One group. {ONE_GROUP}", soft_wrap=True, markup=False)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
     return 0

@@ -72,7 +72,7 @@ def _require_same(root: Path, config: ExperimentConfig) -> None:
     stored = load_config(root)
     if stored.fingerprint not in ("", config.fingerprint):  # runs of before may have none
         raise OutputError(
-            f"What `{config.task}` is made from (its file, or the model of the robot) has changed "
+            f"What `{config.task}` is made from (its file, or its simulation's model) has changed "
             f"since the run in {root} began.",
             remedy="Choose another --out folder: results of two versions must not be mixed.",
         )

@@ -82,7 +82,7 @@ class Actor:
         except RuntimeError as error:
             raise InputError(
                 f"The network does not fit the environment ({error}).",
-                remedy="Use it with the obstacle and configuration it was trained on.",
+                remedy="Use it with the task and configuration it was trained on.",
             ) from error
         self._policy.set_training_mode(False)
         self._space = action_space
