@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,10 @@ class Episode:
         Whether it came to an end.
     is_success
         What the infos told at its end.
+    infinite
+        Places in the observation at which it was infinite, at any moment.
+    undefined
+        Whether a reward or a number of an observation was NaN, or a reward infinite.
     """
 
     observations: FloatArray
@@ -39,6 +44,8 @@ class Episode:
     variant: FloatArray
     ended: bool
     is_success: bool
+    infinite: tuple[int, ...] = ()
+    undefined: bool = False
 
 
 def episode_of(
@@ -54,25 +61,75 @@ def episode_of(
     The actions depend on ``action_seed`` alone, which is the episode's seed if not given. The
     episode is left after ``longest`` decisions where it has not ended by then.
     """
+    playing = _playing(env, task, seed, longest, seed if action_seed is None else action_seed)
+    episode: Episode | None = None
+    for episode in playing:  # noqa: B007 - the last is whole
+        pass
+    assert episode is not None  # noqa: S101 - there is one after the reset
+    return episode
+
+
+def interleaved(env: TaskEnv, beside: TaskEnv, tasks: FloatArray, seed: int) -> Episode:
+    """Run an episode of an environment, step by step in turn with one of another environment.
+
+    Parameters
+    ----------
+    env, beside
+        Two environments that one function made.
+    tasks
+        Of each, ``(2, parameter)``.
+    seed
+        Of both episodes and their actions.
+
+    Returns
+    -------
+    Episode
+        That of the first.
+    """
+    episode: Episode | None = None
+    other = _playing(beside, tasks[1], seed, LONGEST_EPISODE, seed)
+    for episode in _playing(env, tasks[0], seed, LONGEST_EPISODE, seed):  # noqa: B007 - see above
+        next(other, None)
+    assert episode is not None  # noqa: S101 - there is one after the reset
+    return episode
+
+
+def _playing(
+    env: TaskEnv, task: FloatArray, seed: int, longest: int, action_seed: int
+) -> Iterator[Episode | None]:
+    """Reset and step, yielding after each; the episode comes last."""
     space = env.action_space
-    space.seed(seed if action_seed is None else action_seed)
+    space.seed(action_seed)
     _, info = env.reset(seed=seed, options={"variant": task})
     observations, rewards, features = [_raw(env)], [], [info["features"]]
+    infinite, undefined = _not_finite(env)
     ended = False
     while not ended and len(rewards) < longest:
+        yield None
         _, reward, terminated, truncated, info = env.step(space.sample())
         observations.append(_raw(env))
         rewards.append(float(reward))
         features.append(info["features"])
+        places, nan = _not_finite(env)
+        infinite |= places
+        undefined |= nan or (bool(info["diverged"]) and not places)
         ended = terminated or truncated
-    return Episode(
+    yield Episode(
         observations=np.array(observations),
         rewards=np.array(rewards),
         features=np.array(features),
         variant=np.asarray(info["variant"], dtype=np.float64),
         ended=ended,
         is_success=bool(info["is_success"]),
+        infinite=tuple(sorted(infinite)),
+        undefined=undefined,
     )
+
+
+def _not_finite(env: TaskEnv) -> tuple[set[int], bool]:
+    """Return where the newest observation is infinite, and whether any of it is NaN."""
+    seen = numbers(env.last_returned)
+    return set(np.flatnonzero(np.isinf(seen)).tolist()), bool(np.isnan(seen).any())
 
 
 def same(first: Episode, second: Episode) -> bool:

@@ -140,6 +140,11 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         """What the wrapped environment returned last, without an appended task."""
         return self._observation
 
+    @property
+    def last_returned(self) -> Any:
+        """What the wrapped environment returned last, also where it was not finite."""
+        return self._returned
+
     def set_task_distribution(self, distribution: TaskDistribution) -> None:
         """Draw the tasks of coming episodes from another distribution.
 
@@ -184,6 +189,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         """
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
+        self._returned = observation
         reward = float(reward)  # type: ignore[arg-type]
         diverged = not (is_finite(observation) and np.isfinite(reward))
         if diverged:
@@ -238,7 +244,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         else:
             options = {**options, self._set_task: named}
         observation, info = self.env.reset(seed=episode_seed, options=options or None)
-        self._observation = observation
+        self._observation = self._returned = observation
         transition = Transition(
             env=self.env.unwrapped,
             observation=observation,
@@ -254,6 +260,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._episode_seed = episode_seed
         self._actions: list[Any] = []
         self._observation: Any = None
+        self._returned: Any = None
 
     def _judged(self, transition: Transition, *, diverged: bool) -> dict[str, Any]:
         reached = not diverged and self._reached(transition)
