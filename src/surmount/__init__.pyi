@@ -11,6 +11,7 @@ from .analysis.mixture import Mixture as Mixture
 from .analysis.reference import check_hellinger as check_hellinger
 from .analysis.result import Analysis as Analysis
 from .analysis.trust import describe_trust as describe_trust
+from .core.axis import Axis as Axis
 from .core.errors import ConfigError as ConfigError
 from .core.errors import InputError as InputError
 from .core.errors import IntegrityError as IntegrityError

@@ -37,7 +37,7 @@ def test_the_example_runs_and_keeps_the_contract(page):
 
 
 def test_its_package_registers_its_tasks(page, monkeypatch):
-    (block,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.DOTALL)
+    (block,) = re.findall(r"```toml\n(\[project.*?)```", TEXT, flags=re.DOTALL)
     ((group, registered),) = tomllib.loads(block)["project"]["entry-points"].items()
     entries = [EntryPoint(name, value, group) for name, value in registered.items()]
     monkeypatch.setattr(registry, "entry_points", lambda *, group: [

@@ -10,6 +10,7 @@ from own_point import make_env
 from surmount.core.errors import ConfigError
 from surmount.envs import registry
 from surmount.envs.family import NoSettings
+from surmount.envs.own_settings import OwnSettings
 from surmount.envs.registry import find_family, registered_families
 from surmount.experiment.presets import preset
 
@@ -64,4 +65,4 @@ def test_an_unknown_name_names_the_nearest_and_where_to_look():
 def test_settings_of_rstar_are_not_in_the_configuration_of_a_stranger(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "stranger.py").write_text("from own_point import make_env\n", encoding="utf-8")
-    assert preset("stranger:make_env", "smoke").env == NoSettings()
+    assert preset("stranger:make_env", "smoke").env == OwnSettings()

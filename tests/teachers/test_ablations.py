@@ -9,6 +9,7 @@ import pytest
 from toy_learner import VARIANTS, ToyLearner, toy_context, toy_curriculum, train
 
 from surmount.analysis.configuration import AnalysisConfig
+from surmount.core.axis import CONTINUOUS
 from surmount.core.errors import ConfigError
 from surmount.tasks.cells import TaskCells
 from surmount.teachers.ablations import (
@@ -29,7 +30,10 @@ RATES = np.repeat([0.97, 0.3, 0.0], 7)
 def of_groups(count, parameters=("x",)):
     """Return what of the paper's curriculum matters to an ablation by distance."""
     return SimpleNamespace(
-        parameters=parameters, groups=PAPER.groups[:1] * count, success_threshold=0.95
+        parameters=parameters,
+        groups=PAPER.groups[:1] * count,
+        success_threshold=0.95,
+        axes=(CONTINUOUS,) * len(parameters),
     )
 
 

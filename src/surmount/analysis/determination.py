@@ -23,8 +23,10 @@ from surmount.analysis.stability import assess_stability
 from surmount.analysis.threads import spread
 from surmount.analysis.warnings import analysis_warnings
 from surmount.core.arrays import FloatArray
+from surmount.core.axis import Axes
 from surmount.core.errors import InputError
 from surmount.core.seeds import derive_seed, generator
+from surmount.tasks.cells import positions
 from surmount.tasks.curriculum import Curriculum, Group
 from surmount.trials.trials import Trials
 
@@ -57,7 +59,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     """
     settings = config or AnalysisConfig()
     data = variant_samples(trials, settings)
-    hardest = _bic_variant(data, settings)
+    hardest = _bic_variant(data, settings, trials.axes)
     seed = derive_seed(settings.seed, "mixtures")
     curves: list[BICCurve] = []
     if not settings.components:
@@ -93,12 +95,13 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
                 name=name,
                 variants=data.variants[group],
                 success_rate=rate,
-                boxes=group_boxes(data.variants, group, settings.bounds),
+                boxes=group_boxes(data.variants, group, settings.bounds, trials.axes),
             )
             for name, group, rate in zip(names, members, rates, strict=True)
         ),
         levels=build_levels(names, rates, settings),
         success_threshold=settings.success_threshold,
+        axes=trials.axes,
     )
     stability = None
     if settings.bootstrap:
@@ -141,7 +144,7 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     return analysis_warnings(analysis)
 
 
-def _bic_variant(data: VariantSamples, config: AnalysisConfig) -> int:
+def _bic_variant(data: VariantSamples, config: AnalysisConfig, axes: Axes) -> int:
     """Return the variant on which K is chosen: the named one, or the hardest.
 
     The hardest is the one furthest along the direction of difficulty where that is known (over
@@ -161,13 +164,13 @@ def _bic_variant(data: VariantSamples, config: AnalysisConfig) -> int:
         )
     difficulty = -data.success_rate
     if config.harder:
-        difficulty = _place(data.variants, config.harder)
+        difficulty = _place(data.variants, config.harder, axes)
     hardest = np.flatnonzero(np.isclose(difficulty, difficulty.max(), rtol=0.0, atol=1e-9))
     sizes = [data.samples[variant].shape[0] for variant in hardest]
     return int(hardest[int(np.argmax(sizes))])
 
 
-def _place(variants: FloatArray, harder: tuple[int, ...]) -> FloatArray:
+def _place(variants: FloatArray, harder: tuple[int, ...], axes: Axes) -> FloatArray:
     """Return how far along the direction of difficulty variants lie, shape ``(variant,)``."""
     if len(harder) != variants.shape[1]:
         raise InputError(
@@ -175,9 +178,7 @@ def _place(variants: FloatArray, harder: tuple[int, ...]) -> FloatArray:
             "task parameters.",
             remedy="Give 1 or -1 for each parameter in their order, or leave it out.",
         )
-    span = np.ptp(variants, axis=0)
-    places: FloatArray = (variants - variants.min(axis=0)) / np.where(span > 0, span, 1.0)
-    return places @ np.array(harder, dtype=np.float64)
+    return positions(variants, axes) @ np.array(harder, dtype=np.float64)
 
 
 def _curve_of(curves: list[BICCurve], hardest: int, config: AnalysisConfig) -> BICCurve | None:

@@ -14,7 +14,7 @@ from surmount.core.configuration import dotted_keys, to_record
 from surmount.core.errors import SurmountError
 from surmount.envs.family import TaskFamily
 from surmount.envs.registry import find_family, registered_families
-from surmount.tasks.space import TaskSpace
+from surmount.tasks.space import TaskSpace, describe_range
 
 WIDTH = 80
 """Columns of a terminal that nobody has widened."""
@@ -48,8 +48,6 @@ def _listed(name: str, family: TaskFamily) -> Iterator[str]:
 
 
 def _described(family: TaskFamily) -> Iterator[str]:
-    from surmount.analysis.features import describe_variant
-
     settings = family.settings()
     space = family.space(settings)
     yield f"{family.name}: {family.title}"
@@ -57,7 +55,7 @@ def _described(family: TaskFamily) -> Iterator[str]:
     yield from _wrapped(f"initiation at the paper's scale: {family.initial_steps:,} learning steps")
     yield ""
     yield "variants"
-    yield from _wrapped(", ".join(describe_variant(variant) for variant in space.variants))
+    yield from _wrapped(", ".join(space.text(variant) for variant in space.variants))
     yield ""
     keys = dotted_keys(family.settings)
     record = to_record(settings)
@@ -68,10 +66,9 @@ def _described(family: TaskFamily) -> Iterator[str]:
 
 def _space_lines(space: TaskSpace) -> Iterator[str]:
     for index, parameter in enumerate(space.parameters):
-        low, high = space.lower[index], space.upper[index]
         harder = HARDER[space.harder[index]] if space.harder else "nobody says what is harder"
-        unit = _unit(parameter)
-        yield from _wrapped(f"{parameter}: {low:g} to {high:g}{unit}; {harder}")
+        span = f"{describe_range(space, index)}{_unit(parameter)}"
+        yield from _wrapped(span if space.axes[index].categorical else f"{span}; {harder}")
     count = len(space.variants)
     yield f"  {count} variant{'s' if count != 1 else ''}"
 

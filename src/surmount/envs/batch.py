@@ -44,6 +44,7 @@ class TaskBatch:
         self.num_envs = num_envs
         first = self.envs[0]
         self.task_parameters = first.task_parameters
+        self.task_axes = first.task_axes
         self.feature_names = first.feature_names
         self.decision_interval_s = first.decision_s
         self.single_observation_space = first.observation_space

@@ -17,6 +17,7 @@ from surmount.envs.observations import is_image, require_usual, text_entries
 from surmount.envs.probing import LONGEST_EPISODE, Episode, episode_of, interleaved, same
 from surmount.envs.task_env import TaskEnv, UntoldSuccessError
 from surmount.tasks.distribution import TaskDistribution
+from surmount.tasks.space import TaskSpace, describe_range
 
 EPISODES = 3
 """Episodes of random actions per variant that is tried."""
@@ -26,6 +27,10 @@ SAMPLES_NEEDED = 20
 """Moments of a variant that the analysis needs (its ``min_samples_per_component``)."""
 USUAL_REPETITIONS = 8
 """Trials of each variant and network in the smaller preset."""
+SHOWN_PLACES = 8
+"""Places in an observation that are named."""
+FEWEST_OF_SERIES = 3
+"""Values that make a series."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,6 +122,7 @@ def _clauses(make_env: Callable[[], object], seed: int) -> Iterator[Finding]:
         yield _broken("it can be made", error)
         return
     yield Finding(clause="it can be made", holds=True, sentence=f"{env.env}")
+    yield _space(env.space)
     yield _spaces(env)
     try:
         longest = min(time_limit(env), LONGEST_EPISODE)
@@ -155,6 +161,32 @@ def _clauses(make_env: Callable[[], object], seed: int) -> Iterator[Finding]:
 
 def _broken(clause: str, error: SurmountError) -> Finding:
     return Finding(clause=clause, holds=False, sentence=error.message, remedy=error.remedy)
+
+
+def _space(space: TaskSpace) -> Finding:
+    """Say what the task parameters are taken to be: it decides what training draws."""
+    even = [
+        name
+        for name, axis, values in zip(space.parameters, space.axes, space.variants.T, strict=True)
+        if axis.kind == "continuous" and _evenly_logarithmic(np.unique(values))
+    ]
+    return Finding(
+        clause="task parameters have axes",
+        holds=True,
+        sentence="; ".join(describe_range(space, index) for index in range(len(space.parameters))),
+        note=f"The values of {', '.join(f'`{name}`' for name in even)} are even in their "
+        f'logarithm, but training draws evenly between them: declare axes={{"{even[0]}": '
+        '"logarithmic"}} in TaskSpace.grid.'.replace("}}", "}")
+        if even
+        else "",
+    )
+
+
+def _evenly_logarithmic(values: FloatArray) -> bool:
+    """Return whether values, ascending, follow a geometric series over a factor of ten or more."""
+    if values.size < FEWEST_OF_SERIES or values[0] <= 0 or values[-1] < 10.0 * values[0]:
+        return False
+    return bool(np.ptp(np.diff(np.log(values))) < 1e-6)
 
 
 def _spaces(env: TaskEnv) -> Finding:
@@ -197,19 +229,41 @@ def _ends(episodes: list[Episode]) -> Finding:
 
 
 def _finite(episodes: list[Episode]) -> Finding:
-    places = sorted({place for episode in episodes for place in episode.infinite})
-    undefined = any(episode.undefined for episode in episodes)
-    named = ", ".join(str(place) for place in places[:8]) + (", …" if len(places) > 8 else "")
+    parts = [episode.observations for episode in episodes]
+    ends = [episode.unusable for episode in episodes if episode.unusable is not None]
+    observations = np.concatenate([*parts, *(end[None] for end in ends)])
+    rewards = np.concatenate([episode.rewards for episode in episodes])
+    broken = ~np.isfinite(observations)
+    places = np.flatnonzero(broken.any(axis=0)).tolist()
+    # A simulation that blows up leaves NaN, or every number infinite; a sensor without an echo is
+    # infinite by itself.
+    sensor = bool(places) and not np.isnan(observations).any() and not broken.all(axis=1).any()
+    exploded = len(ends) if ends and not sensor and np.isfinite(np.concatenate(parts)).all() else 0
+    sentence = "over all episodes"
+    remedy = "End an episode before its state is no longer finite."
+    if places:
+        sentence = f"not finite: observation {', '.join(map(str, places[:SHOWN_PLACES]))}" + (
+            f" and {len(places) - SHOWN_PLACES} more" if len(places) > SHOWN_PLACES else ""
+        )
+    if not np.isfinite(rewards).all():
+        sentence = f"{sentence}; rewards" if places else "not finite: rewards"
+    elif sensor:
+        remedy = (
+            "These are infinite while the others are finite, as a range sensor's without an echo: "
+            "clip them to the sensor's range in an ObservationWrapper, as in "
+            "np.clip(observation, low, high). An episode that ends because of them would end early."
+        )
+    holds = bool(exploded or not places) and bool(np.isfinite(rewards).all())
     return Finding(
         clause="observations and rewards are finite",
-        holds=not places and not undefined,
-        sentence=f"infinite: number {named} of the observation"
-        if places
-        else ("a number was NaN, or a reward infinite" if undefined else "over all episodes"),
-        remedy="Clip a sensor that returns infinity where it sees nothing to its range, such as "
-        "by gymnasium.wrappers.TransformObservation; such episodes end at once."
-        if places
-        else "End an episode before its state is no longer finite.",
+        holds=holds,
+        sentence="over all episodes" if holds else sentence,
+        remedy=remedy,
+        note=f"{exploded} of {len(episodes)} episodes ended because the simulation diverged "
+        f"({sentence if places else 'its reward was not finite'}): look whether random actions can "
+        "be that violent."
+        if exploded
+        else "",
     )
 
 
@@ -327,25 +381,32 @@ def _task_matters(env: TaskEnv, index: int, seed: int) -> Finding:
     """
     space = env.space
     clause = f"{space.parameters[index]} changes the task"
-    lower, upper = space.lower[index], space.upper[index]
+    axis, lower, upper = space.axes[index], space.lower[index], space.upper[index]
     if len(space.variants) == 1 or lower == upper:
         return Finding(
             clause=clause,
             holds=False,
             sentence="there is one variant, which is no family"
             if len(space.variants) == 1
-            else f"it has one value, {lower:g}",
+            else f"it has one value, {axis.text(lower)}",
             remedy="Give it several values in the task space, or leave it out where others vary.",
         )
-    tasks = np.tile(space.variants[len(space.variants) // 2], (3, 1))
-    tasks[:, index] = lower, lower, upper
-    first, again, last = (episode_of(env, task, seed) for task in tasks)
+    task = space.variants[len(space.variants) // 2].copy()
+    task[index] = lower
+    first, again = (episode_of(env, task, seed) for _ in range(2))
+    # Where a category changes anything it may be any of them, not the last.
+    others = np.unique(space.variants[:, index])[1:].tolist() if axis.categorical else [upper]
+    last = first
+    while others and same(first, last):
+        task[index] = upper = others.pop(0)
+        last = episode_of(env, task, seed)
+    low, high = axis.text(lower), axis.text(upper)
     if not same(first, again):
         return Finding(
             clause=clause,
             holds=False,
-            sentence=f"not shown: at {lower:g} the same seed and actions do not give the same "
-            "episode twice, so that a difference says nothing",
+            sentence=f"not shown: at {low} the same seed and actions do not give the same episode "
+            "twice, so that a difference says nothing",
             remedy="Let a seed repeat its episode, then check again.",
         )
     told = (first.variant[index], last.variant[index]) == (lower, upper)
@@ -359,9 +420,9 @@ def _task_matters(env: TaskEnv, index: int, seed: int) -> Finding:
     return Finding(
         clause=clause,
         holds=told and not same(first, last),
-        sentence=f"the same seed and actions give the same episode at {lower:g} and {upper:g}"
+        sentence=f"the same seed and actions give the same episode at {low} and {high}"
         if same(first, last)
-        else f"between {lower:g} and {upper:g} {what}",
+        else f"between {low} and {high} {what}",
         remedy="Let `set_task` change what the simulation reads: often an attribute is copied "
         "when the environment is made, and a later change is ignored.",
     )
@@ -392,7 +453,7 @@ def _seeds_matter(env: TaskEnv, task: FloatArray, seed: int) -> Finding:
 
 def _distribution_holds(env: TaskEnv, seed: int) -> Finding:
     middle = env.space.variants[len(env.space.variants) // 2]
-    narrow = TaskDistribution.uniform(env.space.parameters, middle, middle)
+    narrow = TaskDistribution.uniform(env.space.parameters, middle, middle, env.space.axes)
     env.set_task_distribution(narrow)
     env.reset(seed=seed)
     told = [env.reset()[1]["variant"] for _ in range(3)]

@@ -12,6 +12,7 @@ from typing import Any
 from surmount.envs.batch import TaskBatch
 from surmount.envs.family import TaskFamily
 from surmount.envs.making import make_task_env, time_limit
+from surmount.envs.own_settings import OwnSettings
 from surmount.envs.task_env import TaskEnv
 from surmount.tasks.space import TaskSpace
 
@@ -27,6 +28,8 @@ class OwnFamily(TaskFamily):
         Makes one environment.
     """
 
+    settings = OwnSettings
+
     def __init__(self, name: str, make_env: Callable[[], TaskEnv]) -> None:
         self.name = name
         self.title = name
@@ -34,8 +37,7 @@ class OwnFamily(TaskFamily):
 
     def space(self, settings: Any) -> TaskSpace:
         """Return the task space of the environment."""
-        del settings
-        env = self.make()
+        env = self.make(settings)
         env.close()
         return env.space
 
@@ -68,20 +70,22 @@ class OwnFamily(TaskFamily):
 
     def training_env(self, settings: Any, num_envs: int) -> TaskBatch:
         """Build environments that begin anew when an episode ends."""
-        del settings
-        return TaskBatch(self.make, num_envs)
+        return TaskBatch(lambda: self.make(settings), num_envs)
 
     def trial_env(self, settings: Any, num_envs: int) -> TaskBatch:
         """Build environments that stay as they are when an episode ends."""
-        del settings
-        return TaskBatch(self.make, num_envs, autoreset=False)
+        return TaskBatch(lambda: self.make(settings), num_envs, autoreset=False)
 
-    def make(self) -> TaskEnv:
-        """Make one environment.
+    def make(self, settings: Any = None) -> TaskEnv:
+        """Make one environment, with the kinds of axes that its settings declare.
 
         Raises
         ------
         InputError
-            If the function needs arguments, fails, or returns no :class:`TaskEnv`.
+            If the function needs arguments, fails, or returns no :class:`TaskEnv`, or its
+            parameters cannot be what the settings say.
         """
-        return make_task_env(self._make_env)
+        env = make_task_env(self._make_env)
+        if isinstance(settings, OwnSettings) and settings.kinds:
+            env.declare_axes(settings.kinds)
+        return env

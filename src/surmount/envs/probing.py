@@ -32,10 +32,8 @@ class Episode:
         Whether it came to an end.
     is_success
         What the infos told at its end.
-    infinite
-        Places in the observation at which it was infinite, at any moment.
-    undefined
-        Whether a reward or a number of an observation was NaN, or a reward infinite.
+    unusable
+        The observation that ended it as diverged, shape ``(observation,)``, or ``None``.
     """
 
     observations: FloatArray
@@ -44,8 +42,7 @@ class Episode:
     variant: FloatArray
     ended: bool
     is_success: bool
-    infinite: tuple[int, ...] = ()
-    undefined: bool = False
+    unusable: FloatArray | None
 
 
 def episode_of(
@@ -102,7 +99,6 @@ def _playing(
     space.seed(action_seed)
     _, info = env.reset(seed=seed, options={"variant": task})
     observations, rewards, features = [_raw(env)], [], [info["features"]]
-    infinite, undefined = _not_finite(env)
     ended = False
     while not ended and len(rewards) < longest:
         yield None
@@ -110,9 +106,6 @@ def _playing(
         observations.append(_raw(env))
         rewards.append(float(reward))
         features.append(info["features"])
-        places, nan = _not_finite(env)
-        infinite |= places
-        undefined |= nan or (bool(info["diverged"]) and not places)
         ended = terminated or truncated
     yield Episode(
         observations=np.array(observations),
@@ -121,15 +114,8 @@ def _playing(
         variant=np.asarray(info["variant"], dtype=np.float64),
         ended=ended,
         is_success=bool(info["is_success"]),
-        infinite=tuple(sorted(infinite)),
-        undefined=undefined,
+        unusable=None if env.unusable is None else numbers(env.unusable),
     )
-
-
-def _not_finite(env: TaskEnv) -> tuple[set[int], bool]:
-    """Return where the newest observation is infinite, and whether any of it is NaN."""
-    seen = numbers(env.last_returned)
-    return set(np.flatnonzero(np.isinf(seen)).tolist()), bool(np.isnan(seen).any())
 
 
 def same(first: Episode, second: Episode) -> bool:

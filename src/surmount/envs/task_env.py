@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
 
 from surmount.core.arrays import FloatArray
+from surmount.core.axis import Axes, AxisKind
 from surmount.core.errors import InputError
 from surmount.envs.observations import (
     add_task,
@@ -46,7 +47,8 @@ class Transition:
     info: dict[str, Any]
 
 
-SetTask = Callable[[gymnasium.Env[Any, Any], dict[str, float]], None]
+SetTask = Callable[[gymnasium.Env[Any, Any], dict[str, Any]], None]
+"""Gets a ``float``, on an axis of whole numbers an ``int``, of a category the name."""
 Feature = str | Callable[[Transition], float]
 
 
@@ -60,7 +62,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     The task is set before the wrapped environment is reset, and each episode is reset with a seed
     of its own, so that an episode is a function of its task, its seed and its actions.
 
-    Text in a dictionary of observations is left out: no network reads it.
+    Text in a dictionary of observations is left out: no network reads it. What an observation held
+    that ended the episode as diverged is kept as ``unusable``.
 
     Infos hold ``variant`` (the task), ``is_success``, ``features`` (with the time in seconds
     first) and ``diverged``.
@@ -85,8 +88,9 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     end_on_success
         Whether an episode ends when the goal is reached.
     observe_task
-        Whether the task, scaled to −1 to 1, is appended to the observation; integers become
-        floats. In a dictionary it is the entry ``task``.
+        Whether the task, scaled to −1 to 1, is appended to the observation, a category as one
+        number for each of its axis' names; integers become floats. In a dictionary it is the
+        entry ``task``.
 
     Raises
     ------
@@ -112,7 +116,6 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
                 "`features` is empty, or holds `time_s`, which is added by itself.",
                 remedy="Name at least one number that describes how the task is done.",
             )
-        self.space = space
         self.task_parameters = space.parameters
         self.feature_names = ("time_s", *features)
         self.decision_s = _decision_s(env) if decision_s is None else float(decision_s)
@@ -122,13 +125,23 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._end_on_success = end_on_success
         self._observe_task = observe_task
         self._text = text_entries(env.observation_space)
-        if self._text:
-            self.observation_space = without_text(env.observation_space)
-        if observe_task:
-            self.observation_space = with_task(self.observation_space, len(space.parameters))
-        self._distribution = space.whole_range
         self._rng = np.random.default_rng()
-        self._begin_record(space.variants[0], 0)
+        self._take_space(space)
+
+    def declare_axes(self, kinds: Mapping[str, AxisKind]) -> None:
+        """Take task parameters to be of other kinds than the task space says.
+
+        Parameters
+        ----------
+        kinds
+            By parameter, as ``axes`` of :meth:`TaskSpace.grid`.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter, or its values cannot lie on such an axis.
+        """
+        self._take_space(self.space.declared(kinds))
 
     @property
     def task(self) -> FloatArray:
@@ -140,18 +153,13 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         """What the wrapped environment returned last, without an appended task."""
         return self._observation
 
-    @property
-    def last_returned(self) -> Any:
-        """What the wrapped environment returned last, also where it was not finite."""
-        return self._returned
-
     def set_task_distribution(self, distribution: TaskDistribution) -> None:
         """Draw the tasks of coming episodes from another distribution.
 
         Raises
         ------
         InputError
-            If it is over other parameters.
+            If it is over other parameters, or other axes.
         """
         if tuple(distribution.parameters) != self.space.parameters:
             raise InputError(
@@ -159,24 +167,29 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
                 f"over {', '.join(self.space.parameters)}.",
                 remedy="Use a curriculum that was made for this environment.",
             )
+        if distribution.axes != self.space.axes:
+            raise InputError(
+                f"The distribution is over axes that are {_kinds(distribution.axes)}, those of the "
+                f"environment are {_kinds(self.space.axes)}.",
+                remedy="Give the environment's: `curriculum.on(env.space.axes)`, or "
+                "TaskDistribution(…, axes=env.space.axes).",
+            )
         self._distribution = distribution
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode; ``options={"variant": …}`` sets its task instead of drawing it."""
+        """Begin an episode; ``options={"variant": …}`` sets its task instead of drawing it.
+
+        A category is given by its name, or by its place among the names.
+        """
         if seed is not None:
             self._rng = np.random.default_rng(seed)
         rest = dict(options or {})
         chosen = rest.pop("variant", None)
         episode_seed = int(self._rng.integers(EPISODE_SEEDS))
         drawn = self._distribution.sample(self._rng, 1)[0]
-        task = drawn if chosen is None else np.asarray(chosen, dtype=np.float64).reshape(-1)
-        if task.shape != (len(self.space.parameters),) or not np.isfinite(task).all():
-            raise InputError(
-                f"The variant {task.tolist()} does not fit {', '.join(self.space.parameters)}.",
-                remedy="Give one finite number per parameter.",
-            )
+        task = drawn if chosen is None else self.space.task(_listed(chosen))
         return self._begin(task, episode_seed, rest)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -189,10 +202,10 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         """
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
-        self._returned = observation
         reward = float(reward)  # type: ignore[arg-type]
         diverged = not (is_finite(observation) and np.isfinite(reward))
         if diverged:
+            self.unusable = observation
             observation, reward, terminated = self._observation, 0.0, True
         transition = Transition(
             env=self.env.unwrapped,
@@ -244,7 +257,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         else:
             options = {**options, self._set_task: named}
         observation, info = self.env.reset(seed=episode_seed, options=options or None)
-        self._observation = self._returned = observation
+        self._observation = observation
         transition = Transition(
             env=self.env.unwrapped,
             observation=observation,
@@ -255,12 +268,22 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         )
         return self._seen(observation), {**info, **self._judged(transition, diverged=False)}
 
+    def _take_space(self, space: TaskSpace) -> None:
+        self.space = space
+        self.task_axes = space.axes
+        self.observation_space = without_text(self.env.observation_space)
+        if self._observe_task:
+            observed = sum(axis.observed_size for axis in space.axes)
+            self.observation_space = with_task(self.observation_space, observed)
+        self._distribution = space.whole_range
+        self._begin_record(space.variants[0], 0)
+
     def _begin_record(self, task: FloatArray, episode_seed: int) -> None:
         self._task = np.array(task, dtype=np.float64)
         self._episode_seed = episode_seed
         self._actions: list[Any] = []
         self._observation: Any = None
-        self._returned: Any = None
+        self.unusable: Any = None
 
     def _judged(self, transition: Transition, *, diverged: bool) -> dict[str, Any]:
         reached = not diverged and self._reached(transition)
@@ -299,11 +322,26 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             observation = {k: part for k, part in observation.items() if k not in self._text}
         if not self._observe_task:
             return observation
-        width = np.where(
-            self.space.upper > self.space.lower, self.space.upper - self.space.lower, 1
-        )
-        place = 2.0 * (self._task - self.space.lower) / width - 1.0
-        return add_task(observation, place, self.observation_space)
+        space = self.space
+        place = [
+            number
+            for axis, *ends in zip(space.axes, self._task, space.lower, space.upper, strict=True)
+            for number in axis.observed(*ends)
+        ]
+        return add_task(observation, np.asarray(place), self.observation_space)
+
+
+def _listed(variant: Any) -> list[Any]:
+    """Return a variant, given as a list, an array or a single value, as its values."""
+    if isinstance(variant, list | tuple):
+        return list(cast("list[Any]", variant))
+    return np.asarray(variant).reshape(-1).tolist()
+
+
+def _kinds(axes: Axes) -> str:
+    return " and ".join(
+        f"{axis.kind} ({', '.join(axis.names)})" if axis.names else axis.kind for axis in axes
+    )
 
 
 def _decision_s(env: gymnasium.Env[Any, Any]) -> float:

@@ -6,9 +6,15 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.axis import Axes, full_axes
 from surmount.tasks.distribution import TaskDistribution
 
 Infos = dict[str, Any]
+
+
+def task_axes(env: TaskVectorEnv) -> Axes:
+    """Return the axes of the task parameters; all are continuous where the environment has none."""
+    return full_axes(getattr(env, "task_axes", ()), env.task_parameters)
 
 
 class TaskVectorEnv(Protocol):
@@ -17,6 +23,7 @@ class TaskVectorEnv(Protocol):
     It resets an environment in the same step in which its episode ended
     (``AutoresetMode.SAME_STEP``) and puts ``variant``, ``is_success``, ``diverged`` and
     ``features`` into its infos, one row per environment. A decision takes ``decision_interval_s``.
+    One with axes that are not continuous has them as ``task_axes``, see :func:`task_axes`.
     """
 
     task_parameters: tuple[str, ...]

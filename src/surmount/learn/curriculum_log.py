@@ -97,9 +97,9 @@ def variant_regions(space: TaskSpace) -> Regions | None:
     ``None`` where there are more variants than :data:`MOST_REGIONS`, or their names are longer
     than :data:`LONGEST_NAME` or alike.
     """
-    names = tuple(", ".join(f"{value:g}" for value in variant) for variant in space.variants)
+    names = tuple(map(space.text, space.variants))
     unclear = len(set(names)) < len(names) or max(map(len, names)) > LONGEST_NAME
     if unclear or len(names) > MOST_REGIONS:
         return None
-    lower, upper = cells(space.variants)
+    lower, upper = cells(space.variants, space.axes)
     return Regions(names=names, lower=tuple(lower[:, None]), upper=tuple(upper[:, None]))

@@ -12,7 +12,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
-from surmount.envs.vector_env import TaskVectorEnv
+from surmount.envs.vector_env import TaskVectorEnv, task_axes
 from surmount.learn.learner import Acts, TrialActor
 from surmount.learn.mlp import ACTIVATIONS
 from surmount.learn.noise import CorrelatedNoise
@@ -206,4 +206,5 @@ def roll_out(
         success=success,
         starts=np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=trials))]),
         features=np.concatenate(rows)[order],
+        axes=task_axes(env),
     )

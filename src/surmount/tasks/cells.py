@@ -7,47 +7,73 @@ from collections.abc import Sequence
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.axis import Axes, full_axes
 from surmount.core.errors import InputError
 from surmount.tasks.distribution import TaskDistribution
 
 
-def cells(variants: FloatArray) -> tuple[FloatArray, FloatArray]:
+def cells(variants: FloatArray, axes: Axes = ()) -> tuple[FloatArray, FloatArray]:
     """Return a cell for each variant of a family with several parameters.
 
     Variants on a full grid get the grid's cells, half-way to the neighbours along each parameter
     and ending at the outermost values, so that the cells tile the family's range. Scattered
     variants get boxes that never overlap: along every parameter (in units of the family's range)
     half the distance to the nearest other variant, by the largest difference over parameters,
-    cut at the family's range.
+    cut at the family's range. A category is a cell by itself: there is nothing between two.
+
+    Parameters
+    ----------
+    variants
+        Shape ``(variant, parameter)``.
+    axes
+        One per parameter; all are continuous where none are given.
 
     Returns
     -------
     tuple
         Lower and upper bounds, each of shape ``(variant, parameter)``.
     """
-    axes = [np.unique(column) for column in variants.T]
-    low, high = variants.min(axis=0), variants.max(axis=0)
-    if variants.shape[0] == np.prod([axis.size for axis in axes]):
-        lower, upper = np.empty_like(variants), np.empty_like(variants)
-        for parameter, axis in enumerate(axes):
-            middles = 0.5 * (axis[1:] + axis[:-1])
-            place = np.searchsorted(axis, variants[:, parameter])
-            lower[:, parameter] = np.concatenate([axis[:1], middles])[place]
-            upper[:, parameter] = np.concatenate([middles, axis[-1:]])[place]
+    along = full_axes(axes, variants[0])
+    grid = [np.unique(column) for column in variants.T]
+    lower, upper = np.empty_like(variants), np.empty_like(variants)
+    if variants.shape[0] == np.prod([values.size for values in grid]):
+        for parameter, (axis, values) in enumerate(zip(along, grid, strict=True)):
+            place = np.searchsorted(values, variants[:, parameter])
+            low, high = axis.cells(values)
+            lower[:, parameter], upper[:, parameter] = low[place], high[place]
         return lower, upper
-    extent = np.where(high > low, high - low, 1.0)
-    scaled = variants / extent
-    distance = np.abs(scaled[:, None, :] - scaled[None, :, :]).max(axis=2)
+    distance = differences(variants, along).max(axis=2)
     np.fill_diagonal(distance, np.inf)
-    reach = 0.5 * distance.min(axis=1)[:, None] * extent
-    return np.maximum(variants - reach, low), np.minimum(variants + reach, high)
+    nearest = 0.5 * distance.min(axis=1)
+    for parameter, axis in enumerate(along):
+        values = variants[:, parameter]
+        low, high = axis.around(values, nearest * axis.extent(values))
+        lower[:, parameter] = np.maximum(low, values.min())
+        upper[:, parameter] = np.minimum(high, values.max())
+    return lower, upper
+
+
+def differences(variants: FloatArray, axes: Axes) -> FloatArray:
+    """Return how far each two variants lie apart along each parameter, in units of its range.
+
+    Two categories are one unit apart.
+
+    Returns
+    -------
+    FloatArray
+        Shape ``(variant, variant, parameter)``.
+    """
+    columns = zip(axes, variants.T, strict=True)
+    return np.stack(
+        [axis.apart(one[:, None], one[None, :], axis.extent(one)) for axis, one in columns], axis=2
+    )
 
 
 class TaskCells:
     """One cell per variant, half-way to its neighbours.
 
-    Training draws from the continuous range; a teacher that chooses among variants chooses a cell,
-    and the environment draws uniformly within it.
+    Training draws from the whole range; a teacher that chooses among variants chooses a cell, and
+    the environment draws uniformly within it.
 
     Parameters
     ----------
@@ -55,23 +81,24 @@ class TaskCells:
         Names of the task parameters.
     variants
         Shape ``(variant, parameter)``.
+    axes
+        One per parameter; all are continuous where none are given.
 
     Attributes
     ----------
-    parameters, variants
+    parameters, variants, axes
         As given.
     lower, upper
         Bounds of the cells, shape ``(variant, parameter)``.
     """
 
-    def __init__(self, parameters: tuple[str, ...], variants: FloatArray) -> None:
+    def __init__(self, parameters: tuple[str, ...], variants: FloatArray, axes: Axes = ()) -> None:
         self.parameters = parameters
+        self.axes = full_axes(axes, parameters)
         self.variants = np.asarray(variants, dtype=np.float64).reshape(-1, len(parameters))
         if self.variants.shape[0] == 0:
             raise InputError("There are no variants.", remedy="Give at least one.")
-        self.lower, self.upper = cells(self.variants)
-        extent = np.ptp(self.variants, axis=0)
-        self._extent = np.where(extent > 0, extent, 1.0)
+        self.lower, self.upper = cells(self.variants, self.axes)
 
     @property
     def count(self) -> int:
@@ -83,7 +110,11 @@ class TaskCells:
         inside = ((self.lower <= task) & (task <= self.upper)).all(axis=1)
         if inside.any():
             return int(inside.argmax())
-        return int(np.square((self.variants - task) / self._extent).sum(axis=1).argmin())
+        away = [
+            axis.apart(values, place, axis.extent(values))
+            for axis, values, place in zip(self.axes, self.variants.T, task, strict=True)
+        ]
+        return int(np.square(away).sum(axis=0).argmin())
 
     def distribution(self, weights: FloatArray) -> TaskDistribution:
         """Return the distribution that gives each cell such a share, shape ``(variant,)``."""
@@ -92,6 +123,7 @@ class TaskCells:
             weights=weights / weights.sum(),
             lower=self.lower,
             upper=self.upper,
+            axes=self.axes,
         )
 
     def by_difficulty(self, harder: Sequence[int]) -> IntArray:
@@ -100,8 +132,19 @@ class TaskCells:
         Parameters
         ----------
         harder
-            For each parameter 1 where larger values are harder, −1 where smaller ones are. With
-            several parameters their positions within the range are added.
+            For each parameter 1 where larger values, or later categories, are harder, −1 where
+            smaller ones are. With several parameters their positions within the range are added.
         """
-        position = (self.variants - self.variants.min(axis=0)) / self._extent
+        position = positions(self.variants, self.axes)
         return np.argsort(position @ np.asarray(harder, dtype=np.float64), kind="stable")
+
+
+def positions(variants: FloatArray, axes: Axes) -> FloatArray:
+    """Return where variants lie along each axis, from 0 at the least to 1 at the largest.
+
+    Returns
+    -------
+    FloatArray
+        Shape ``(variant, parameter)``.
+    """
+    return np.stack([axis.rank(values) for axis, values in zip(axes, variants.T, strict=True)], 1)

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
+from surmount.core.axis import (
+    Axes,
+    axes_from_record,
+    axes_to_record,
+    full_axes,
+    values_of,
+    variant_text,
+)
 from surmount.core.errors import InputError
 from surmount.core.records import read_record, write_atomically
-from surmount.tasks.curriculum_check import SCHEMA, curriculum_problems
+from surmount.tasks.curriculum_check import SCHEMA, SCHEMA_OF_AXES, curriculum_problems
 from surmount.tasks.distribution import TaskDistribution
 
 
@@ -48,8 +57,8 @@ class Group:
     success_rate
         Mean success rate over the variants; the group's complexity is 1 minus it.
     boxes
-        Where the group lies in the continuous space of tasks: one box per run of neighbouring
-        variants, or one cell per variant where there are several parameters.
+        Where the group lies in the space of tasks: one box per run of neighbouring variants, or
+        one cell per variant where there are several parameters, or categories.
     """
 
     name: str
@@ -102,14 +111,18 @@ class Curriculum:
         In the order of learning; as many as there are groups below the success threshold.
     success_threshold
         Success rate from which a group needs no level (paper II-C: 0.95).
+    axes
+        One for each parameter; all are continuous where none are given.
     """
 
     parameters: tuple[str, ...]
     groups: tuple[Group, ...]
     levels: tuple[Level, ...]
     success_threshold: float
+    axes: Axes = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", full_axes(self.axes, self.parameters))
         problems = curriculum_problems(self.to_record())
         if problems:
             raise InputError(
@@ -170,22 +183,91 @@ class Curriculum:
         groups = np.asarray([-1 if group is None else group for group in found], dtype=np.int64)
         return groups[index.reshape(-1)]
 
+    def text(self, variant: FloatArray) -> str:
+        """Return a variant, shape ``(parameter,)``, for people."""
+        return variant_text(self.axes, variant)
+
+    def on(self, axes: Axes) -> Curriculum:
+        """Return the curriculum on other axes, such as those of an environment.
+
+        A table of numbers does not tell whole numbers from others, nor the order of categories.
+
+        Parameters
+        ----------
+        axes
+            One per parameter. Categories keep their names; a range becomes that of the whole
+            numbers in it.
+
+        Raises
+        ------
+        InputError
+            If a variant cannot lie on its new axis, or a range holds nothing of it.
+        """
+
+        def moved(values: FloatArray, round_to: Callable[[float], float] = float) -> FloatArray:
+            return np.array(
+                [
+                    new.stored(old.value(float(value)))
+                    if new.categorical
+                    else round_to(float(value))
+                    if new.discrete and not old.categorical
+                    else (np.nan if old.categorical else float(value))
+                    for old, new, value in zip(self.axes, axes, values, strict=True)
+                ]
+            )
+
+        full_axes(axes, self.parameters)
+        groups = tuple(
+            replace(
+                group,
+                variants=np.stack([moved(variant) for variant in group.variants]),
+                boxes=tuple(
+                    replace(
+                        box, lower=moved(box.lower, math.ceil), upper=moved(box.upper, math.floor)
+                    )
+                    for box in group.boxes
+                ),
+            )
+            for group in self.groups
+        )
+        for group in groups:
+            ends = [bound for box in group.boxes for bound in (box.lower, box.upper)]
+            points = np.concatenate([group.variants, np.stack(ends)])
+            empty = any((box.lower > box.upper).any() for box in group.boxes)
+            fits = [axis.holds(column).all() for axis, column in zip(axes, points.T, strict=True)]
+            if empty or not all(fits):
+                demands = "; ".join(
+                    f"{name} {axis.demand}"
+                    for name, axis in zip(self.parameters, axes, strict=True)
+                )
+                raise InputError(
+                    f"The curriculum's group `{group.name}` does not lie on other axes.",
+                    remedy=f"They are: {demands}. Make a curriculum from trials on such tasks.",
+                )
+        return replace(self, groups=groups, axes=axes)
+
     def to_record(self) -> dict[str, Any]:
-        """Return the JSON form, made to be read and edited by people."""
+        """Return the JSON form, made to be read and edited by people.
+
+        Categories are written by their names, whole numbers without a point. Where all axes are
+        continuous it is what Surmount wrote before there were others, schema 1.
+        """
+        axes = axes_to_record(self.axes, self.parameters)
         return {
             "kind": "surmount curriculum",
-            "schema": SCHEMA,
+            "schema": SCHEMA_OF_AXES if axes else SCHEMA,
             "parameters": list(self.parameters),
+            **({"axes": axes} if axes else {}),
             "success_threshold": self.success_threshold,
             "groups": [
                 {
                     "name": group.name,
                     "success_rate": group.success_rate,
-                    "variants": group.variants.tolist(),
+                    "variants": [values_of(self.axes, variant) for variant in group.variants],
                     "boxes": [
                         {
-                            "lower": box.lower.tolist(),
-                            "upper": box.upper.tolist(),
+                            "lower": values_of(self.axes, box.lower),
+                            "upper": values_of(self.axes, box.upper),
                             "weight": box.weight,
                         }
                         for box in group.boxes
@@ -220,15 +302,20 @@ class Curriculum:
                 f"{source} is not valid: {'; '.join(problems)}.",
                 remedy="Correct what is named; `surmount analyze` writes a valid file.",
             )
+        axes = axes_from_record(record.get("axes", {}), record["parameters"])
+
+        def stored(values: Sequence[Any]) -> FloatArray:
+            return np.array([axis.stored(one) for axis, one in zip(axes, values, strict=True)])
+
         groups = tuple(
             Group(
                 name=group["name"],
-                variants=np.asarray(group["variants"], dtype=np.float64),
+                variants=np.stack([stored(variant) for variant in group["variants"]]),
                 success_rate=float(group["success_rate"]),
                 boxes=tuple(
                     Box(
-                        lower=np.asarray(box["lower"], dtype=np.float64),
-                        upper=np.asarray(box["upper"], dtype=np.float64),
+                        lower=stored(box["lower"]),
+                        upper=stored(box["upper"]),
                         weight=float(box["weight"]),
                     )
                     for box in group["boxes"]
@@ -248,6 +335,7 @@ class Curriculum:
             groups=groups,
             levels=levels,
             success_threshold=float(record["success_threshold"]),
+            axes=axes,
         )
 
     def save(self, path: Path | str) -> None:
@@ -285,6 +373,7 @@ class Curriculum:
             weights=probabilities / probabilities.sum(),
             lower=np.asarray(lower),
             upper=np.asarray(upper),
+            axes=self.axes,
         )
 
 

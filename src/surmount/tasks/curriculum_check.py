@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
+import numpy as np
+
+from surmount.core.axis import CONTINUOUS, Axes, Axis, AxisKind, axes_from_record
+from surmount.core.errors import InputError
 from surmount.core.names import is_printable
 
 SCHEMA = 1
+SCHEMA_OF_AXES = 2
+"""Of curricula with an axis that is not continuous, which earlier versions would misread."""
 KEYS = ("kind", "schema", "parameters", "success_threshold", "groups", "levels")
+AXIS_KEYS = ("kind", "names")
 GROUP_KEYS = ("name", "success_rate", "variants", "boxes")
 BOX_KEYS = ("lower", "upper", "weight")
 LEVEL_KEYS = ("dominant", "weights")
@@ -21,14 +28,20 @@ def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
     """Return all problems of a curriculum's JSON form, an empty list if there is none."""
     if record.get("kind") != "surmount curriculum":
         return ['`kind` is not "surmount curriculum"']
-    if record.get("schema") != SCHEMA:
-        return [f"`schema` is {record.get('schema')!r}, this version reads {SCHEMA}"]
-    problems = _unknown_keys(record, "the file", KEYS)
+    schema = record.get("schema")
+    if schema not in (SCHEMA, SCHEMA_OF_AXES):
+        return [f"`schema` is {schema!r}, this version reads {SCHEMA} and {SCHEMA_OF_AXES}"]
+    known = (*KEYS, "axes") if schema == SCHEMA_OF_AXES else KEYS
+    problems = _unknown_keys(record, "the file", known)
     parameters = record.get("parameters")
     if not _is_list(parameters, _is_name) or not parameters:
         return ["`parameters` is not a list of names"]
     if len(set(parameters)) < len(parameters):
         problems.append("`parameters` names one twice")
+    about_axes = _axes_problems(record.get("axes", {}), parameters)
+    if about_axes:
+        return [*problems, *about_axes]
+    axes = axes_from_record(record.get("axes", {}), parameters)
     if not _is_number(record.get("success_threshold"), 0, 1):
         problems.append("`success_threshold` is not a number from 0 to 1")
     groups: Any = record.get("groups")
@@ -36,7 +49,7 @@ def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
     if not _is_list(groups, _is_object) or not groups:
         return [*problems, "`groups` is not a list of groups"]
     for index, group in enumerate(groups):
-        problems += _group_problems(group, f"groups[{index}]", len(parameters))
+        problems += _group_problems(group, f"groups[{index}]", axes)
     names = [group.get("name") for group in groups if _is_name(group.get("name"))]
     if len(set(names)) < len(names):
         problems.append("two groups have the same name")
@@ -56,18 +69,50 @@ def _unknown_keys(record: Mapping[str, Any], place: str, known: tuple[str, ...])
     ]
 
 
-def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> list[str]:
+def _axes_problems(axes: object, parameters: list[str]) -> list[str]:
+    if not isinstance(axes, Mapping):
+        return ["`axes` is not a table of parameters and kinds"]
+    problems: list[str] = []
+    for name, axis in cast(Mapping[str, Any], axes).items():
+        if name not in parameters:
+            problems.append(f"`axes` names {name!r}, which is no parameter")
+        elif not isinstance(axis, Mapping):
+            problems.append(f"`axes.{name}` is not a table with `kind`")
+        else:
+            record = cast(Mapping[str, Any], axis)
+            problems += _unknown_keys(record, f"`axes.{name}`", AXIS_KEYS)
+            names = record.get("names", [])
+            if not _is_list(names, _is_name):
+                problems.append(f"`axes.{name}.names` is not a list of names")
+                continue
+            try:
+                Axis(kind=cast(AxisKind, record.get("kind")), names=tuple(names))
+            except InputError as error:
+                problems.append(f"`axes.{name}`: {error.message.rstrip('.')}")
+    return problems
+
+
+def _group_problems(group: Mapping[str, Any], place: str, axes: Axes) -> list[str]:
     problems = _unknown_keys(group, f"`{place}`", GROUP_KEYS)
+    demand = _demand(axes)
 
     def is_point(value: object) -> bool:
-        return _is_list(value, _is_number) and len(value) == n_parameters  # type: ignore[arg-type]
+        return (
+            isinstance(value, list)
+            and len(value) == len(axes)
+            and all(
+                (axis.categorical or _is_number(one))
+                and bool(axis.holds(np.asarray(axis.stored(one))))
+                for axis, one in zip(axes, cast(list[object], value), strict=True)
+            )
+        )
 
     if not _is_name(group.get("name")):
         problems.append(f"`{place}.name` is not a name")
     if not _is_number(group.get("success_rate"), 0, 1):
         problems.append(f"`{place}.success_rate` is not a number from 0 to 1")
     if not _is_list(group.get("variants"), is_point) or not group.get("variants"):
-        problems.append(f"`{place}.variants` is not a list of lists of {n_parameters} numbers")
+        problems.append(f"`{place}.variants` is not a list of lists of {demand}")
     boxes = group.get("boxes")
     if not _is_list(boxes, _is_object) or not boxes:
         return [*problems, f"`{place}.boxes` is not a list of boxes"]
@@ -77,8 +122,11 @@ def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> 
         problems += _unknown_keys(box, f"`{where}`", BOX_KEYS)
         lower, upper = box.get("lower"), box.get("upper")
         if not (is_point(lower) and is_point(upper)):
-            problems.append(f"`{where}` lacks `lower` and `upper` with {n_parameters} numbers each")
-        elif any(low > high for low, high in zip(lower, upper, strict=True)):
+            problems.append(f"`{where}` lacks `lower` and `upper` with {demand} each")
+        elif any(
+            axis.stored(low) > axis.stored(high)
+            for axis, low, high in zip(axes, lower, upper, strict=True)
+        ):
             problems.append(f"`{where}` has a lower bound above its upper bound")
         if not _is_number(box.get("weight"), 0, math.inf):
             problems.append(f"`{where}.weight` is not a number of at least 0")
@@ -86,6 +134,13 @@ def _group_problems(group: Mapping[str, Any], place: str, n_parameters: int) -> 
     if sound and sum(box["weight"] for box in boxes) <= 0:
         problems.append(f"`{place}.boxes` have no weight")
     return problems
+
+
+def _demand(axes: Axes) -> str:
+    """Return what a point consists of, for sentences."""
+    if all(axis == CONTINUOUS for axis in axes):
+        return f"{len(axes)} numbers"
+    return f"{len(axes)} values ({'; '.join(axis.demand for axis in axes)})"
 
 
 def _level_problems(level: Mapping[str, Any], place: str, names: list[Any]) -> list[str]:

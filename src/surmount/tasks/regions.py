@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.axis import Axes
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
 
@@ -58,19 +59,22 @@ class Regions:
         return found
 
     def shares(self, distribution: TaskDistribution) -> FloatArray:
-        """Return the probability that a distribution gives to each region, ``(region,)``."""
-        width = distribution.upper - distribution.lower
-        point = (width == 0).all(axis=1)
+        """Return the probability that a distribution gives to each region, ``(region,)``.
+
+        Shares are taken on the scale of each of the distribution's axes.
+        """
+        axes = distribution.axes
+        point = (distribution.upper == distribution.lower).all(axis=1)
         shares = np.zeros(len(self.names))
         owner = self.index(distribution.lower[point])
         np.add.at(shares, owner[owner >= 0], distribution.weights[point][owner >= 0])
         spread = ~point
+        boxes = _sides(axes, distribution.lower[spread], distribution.upper[spread])
         for region in range(len(self.names)):
-            for lower, upper in zip(self.lower[region], self.upper[region], strict=True):
-                shares[region] += float(
-                    distribution.weights[spread]
-                    @ _overlap(distribution.lower[spread], distribution.upper[spread], lower, upper)
-                )
+            sides = _sides(axes, self.lower[region], self.upper[region])
+            for lower, upper in zip(*sides, strict=True):
+                overlap = _overlap(*boxes, lower, upper)
+                shares[region] += float(distribution.weights[spread] @ overlap)
         return shares
 
     def _inside(self, region: int, tasks: FloatArray) -> BoolArray:
@@ -89,6 +93,13 @@ def success_by_region(
         float(outcome[owner == region].mean()) if (owner == region).any() else None
         for region in range(len(regions.names))
     ]
+
+
+def _sides(axes: Axes, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return bounds of boxes on the scales of their axes, each of shape ``(box, parameter)``."""
+    sides = [axis.sides(lower[:, k], upper[:, k]) for k, axis in enumerate(axes)]
+    low, high = zip(*sides, strict=True)
+    return np.stack(low, axis=1), np.stack(high, axis=1)
 
 
 def _overlap(

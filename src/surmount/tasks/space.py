@@ -5,21 +5,38 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Self
 
 import numpy as np
 
 from surmount.core.arrays import FloatArray
+from surmount.core.axis import (
+    Axes,
+    AxisKind,
+    Value,
+    axis_of_values,
+    declared,
+    full_axes,
+    stored_values,
+    values_of,
+    variant_text,
+)
 from surmount.core.errors import InputError
+from surmount.tasks.cells import positions
 from surmount.tasks.distribution import TaskDistribution
+
+NO_KINDS: Mapping[str, AxisKind] = MappingProxyType({})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskSpace:
     """Task parameters with their ranges, and the variants on which behaviour is compared.
 
-    Training draws from the continuous range; trials and tests use the variants.
+    Training draws from the whole range; trials and tests use the variants. A task is a row of
+    numbers in which a category is its place among the names of its axis; :meth:`named` gives it as
+    environments get it.
 
     Attributes
     ----------
@@ -30,13 +47,16 @@ class TaskSpace:
     variants
         In ascending order, shape ``(variant, parameter)``; within the range.
     harder
-        For each parameter 1 where larger values are harder and −1 where smaller ones are; ``None``
-        where nobody knows. Only teachers that order tasks by their parameters use it.
+        For each parameter 1 where larger values, or later categories, are harder and −1 where
+        smaller ones are; ``None`` where nobody knows. Only teachers that order tasks by their
+        parameters use it.
+    axes
+        One for each parameter; all are continuous where none are given.
 
     Raises
     ------
     InputError
-        If shapes do not fit, a value is not finite, or a variant lies outside the range.
+        If shapes do not fit, a value cannot lie on its axis, or a variant lies outside the range.
     """
 
     parameters: tuple[str, ...]
@@ -44,51 +64,160 @@ class TaskSpace:
     upper: FloatArray
     variants: FloatArray
     harder: tuple[int, ...] | None = None
+    axes: Axes = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", full_axes(self.axes, self.parameters))
         problem = _problem(self)
         if problem is not None:
             raise InputError(f"The task space {problem[0]}.", remedy=problem[1])
 
     @classmethod
-    def grid(cls, *, harder: Mapping[str, int] | None = None, **values: Sequence[float]) -> Self:
+    def grid(
+        cls,
+        *,
+        harder: Mapping[str, int] | None = None,
+        axes: Mapping[str, AxisKind] = NO_KINDS,
+        **values: Sequence[float] | Sequence[str],
+    ) -> Self:
         """Return the space of all combinations of the given values.
+
+        Names are categories, numbers that are all ``int`` whole numbers, other numbers continuous
+        (docs/adr/0085).
 
         Parameters
         ----------
         harder
-            Direction of difficulty by name, for every parameter or none.
+            Direction of difficulty by name, for every parameter or none; categories are taken in
+            the order in which they are given.
+        axes
+            By parameter, the kind of its axis where its values do not tell: ``"logarithmic"``,
+            or another than they tell.
         **values
             By parameter, the values to compare, for example
-            ``TaskSpace.grid(slope_deg=range(0, 31, 5))``; the range ends at the outermost.
+            ``TaskSpace.grid(slope_deg=np.linspace(0, 30, 7), terrain=["flat", "stairs"])``; the
+            range ends at the outermost.
         """
-        axes = {name: sorted(float(value) for value in axis) for name, axis in values.items()}
-        if not axes or not all(axes.values()):
+        given = {name: list(column) for name, column in values.items()}
+        if not given or not all(given.values()):
             raise InputError(
                 "The task space has a parameter without values, or no parameter.",
                 remedy="Give the values to compare, for example TaskSpace.grid(slope_deg=[0, 10]).",
             )
-        if harder is not None and harder.keys() != axes.keys():
-            raise InputError(
-                f"`harder` names {sorted(harder)}, but the parameters are {sorted(axes)}.",
-                remedy="Give 1 or -1 for each parameter, or leave `harder` out.",
-            )
+        for what, named in (("harder", harder), ("axes", axes)):
+            unknown = set(named or ()) - given.keys()
+            if unknown or (what == "harder" and named is not None and named.keys() != given.keys()):
+                raise InputError(
+                    f"`{what}` names {sorted(named or ())}, but the parameters are "
+                    f"{sorted(given)}.",
+                    remedy="Give 1 or -1 for each parameter, or leave `harder` out."
+                    if what == "harder"
+                    else "Name parameters of the space.",
+                )
+        found = {name: axis_of_values(column, axes.get(name)) for name, column in given.items()}
+        grid = [np.sort(stored_values(name, given[name], axis)) for name, axis in found.items()]
         return cls(
-            parameters=tuple(axes),
-            lower=np.array([axis[0] for axis in axes.values()]),
-            upper=np.array([axis[-1] for axis in axes.values()]),
-            variants=np.array(list(itertools.product(*axes.values()))),
-            harder=None if harder is None else tuple(int(harder[name]) for name in axes),
+            parameters=tuple(found),
+            lower=np.array([column[0] for column in grid]),
+            upper=np.array([column[-1] for column in grid]),
+            variants=np.array(list(itertools.product(*grid))),
+            harder=None if harder is None else tuple(int(harder[name]) for name in found),
+            axes=tuple(found.values()),
         )
+
+    def declared(self, kinds: Mapping[str, AxisKind]) -> TaskSpace:
+        """Return the same space with parameters of other kinds.
+
+        Parameters
+        ----------
+        kinds
+            By parameter; numbers that are said to be categories are named as they are written.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter, or its values cannot lie on such an axis.
+        """
+        unknown = sorted(kinds.keys() - set(self.parameters))
+        if unknown:
+            raise InputError(
+                f"The task space has no parameter `{unknown[0]}`.",
+                remedy=f"It has {', '.join(self.parameters)}.",
+            )
+        axes, variants = list(self.axes), self.variants.copy()
+        lower, upper = self.lower.copy(), self.upper.copy()
+        for place, name in enumerate(self.parameters):
+            kind = kinds.get(name, axes[place].kind)
+            if kind == axes[place].kind:
+                continue
+            axes[place], variants[:, place] = declared(axes[place], variants[:, place], kind, name)
+            if axes[place].categorical:
+                lower[place], upper[place] = 0.0, len(axes[place].names) - 1.0
+        return replace(self, lower=lower, upper=upper, variants=variants, axes=tuple(axes))
 
     @property
     def whole_range(self) -> TaskDistribution:
-        """Uniform over the range."""
-        return TaskDistribution.uniform(self.parameters, self.lower, self.upper)
+        """Uniform over the range, on the scale of each axis."""
+        return TaskDistribution.uniform(self.parameters, self.lower, self.upper, self.axes)
 
-    def named(self, task: FloatArray) -> dict[str, float]:
-        """Return a task by the names of its parameters."""
-        return dict(zip(self.parameters, np.asarray(task, dtype=float).tolist(), strict=True))
+    def named(self, task: FloatArray) -> dict[str, Value]:
+        """Return a task by the names of its parameters, as environments get it.
+
+        A whole number is an ``int``, a category its name, everything else a ``float``.
+        """
+        return dict(zip(self.parameters, values_of(self.axes, np.asarray(task)), strict=True))
+
+    def task(self, values: Sequence[object]) -> FloatArray:
+        """Return a task, shape ``(parameter,)``, from one value for each parameter.
+
+        Parameters
+        ----------
+        values
+            Numbers, and categories by their names or by their places among them.
+
+        Raises
+        ------
+        InputError
+            If a value cannot lie on its axis.
+        """
+        if len(values) != len(self.parameters):
+            raise InputError(
+                f"The variant {list(values)} does not fit {', '.join(self.parameters)}.",
+                remedy="Give one value per parameter.",
+            )
+        task = np.array(
+            [
+                axis.stored(value) if isinstance(value, str) else _number(value)
+                for axis, value in zip(self.axes, values, strict=True)
+            ]
+        )
+        for axis, name, stored, value in zip(self.axes, self.parameters, task, values, strict=True):
+            if not axis.holds(np.asarray(stored)):
+                raise InputError(
+                    f"The variant has {value!r} as `{name}`.", remedy=f"Give {axis.demand}."
+                )
+        return task
+
+    def text(self, task: FloatArray) -> str:
+        """Return a task for people, without the names of its parameters."""
+        return variant_text(self.axes, task)
+
+
+def describe_range(space: TaskSpace, index: int) -> str:
+    """Return a parameter with its range and what it is, for people."""
+    axis, low, high = space.axes[index], space.lower[index], space.upper[index]
+    name = space.parameters[index]
+    if axis.categorical:
+        return f"{name}: one of {', '.join(axis.names)}"
+    words = {"integer": ", whole numbers", "logarithmic": ", logarithmic"}.get(axis.kind, "")
+    return f"{name}: {axis.text(low)} to {axis.text(high)}{words}"
+
+
+def _number(value: object) -> float:
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return np.nan
 
 
 def _problem(space: TaskSpace) -> tuple[str, str] | None:
@@ -101,6 +230,11 @@ def _problem(space: TaskSpace) -> tuple[str, str] | None:
         return "has variants that do not fit its parameters", "Give one column per parameter."
     if not all(np.isfinite(part).all() for part in (space.lower, space.upper, space.variants)):
         return "holds NaN or infinite values", "Give finite numbers."
+    for axis, name, lower, upper, values in zip(
+        space.axes, space.parameters, space.lower, space.upper, space.variants.T, strict=True
+    ):
+        if not axis.holds(np.array([lower, upper, *values])).all():
+            return f"has a value of `{name}` that is not {axis.demand}", "Correct it."
     if len(np.unique(space.variants, axis=0)) < len(space.variants):
         return "names a variant twice", "Name each variant once."
     outside = (space.variants < space.lower).any() or (space.variants > space.upper).any()
@@ -113,16 +247,21 @@ def _problem(space: TaskSpace) -> tuple[str, str] | None:
     return None
 
 
-def harder_by_success(variants: FloatArray, success_rate: FloatArray) -> tuple[int, ...]:
+def harder_by_success(
+    variants: FloatArray, success_rate: FloatArray, axes: Axes = ()
+) -> tuple[int, ...]:
     """Return the direction in which success falls along each parameter.
 
-    By the sign of the covariance of values and success; 1 where success does not depend on it.
+    By the sign of the covariance of places along the axis and success; 1 where success does not
+    depend on it.
 
     Parameters
     ----------
     variants, success_rate
         Shapes ``(variant, parameter)`` and ``(variant,)``.
+    axes
+        One per parameter; all are continuous where none are given.
     """
-    centred = variants - variants.mean(axis=0)
-    slopes = centred.T @ (success_rate - success_rate.mean())
+    places = positions(variants, full_axes(axes, variants[0]))
+    slopes = (places - places.mean(axis=0)).T @ (success_rate - success_rate.mean())
     return tuple(-1 if math.copysign(1.0, slope) > 0 and slope != 0 else 1 for slope in slopes)

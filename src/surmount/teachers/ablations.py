@@ -13,7 +13,7 @@ from surmount.analysis.groups import group_names, rank_groups
 from surmount.analysis.levels import build_levels
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.seeds import generator
-from surmount.tasks.cells import TaskCells
+from surmount.tasks.cells import TaskCells, differences
 from surmount.tasks.curriculum import Curriculum, Group, Level
 
 _DECIMALS = 9
@@ -80,10 +80,11 @@ def by_parameter_distance(
 ) -> Curriculum:
     """Return as many groups by nearness in parameter space instead of behaviour.
 
-    Distances are Euclidean with every parameter in units of its range; linkage, ranking by
-    success, weights and bounds are those of the paper's way. Evenly spaced variants have many equal
-    distances; among these the linkage takes the first, whatever the units. Where the groups blur
-    success so far that none is left below the threshold, the hardest has the only level.
+    Distances are Euclidean with every parameter in units of its range, on the scale of its axis,
+    and two categories one unit apart; linkage, ranking by success, weights and bounds are those of
+    the paper's way. Evenly spaced variants have many equal distances; among these the linkage takes
+    the first, whatever the units. Where the groups blur success so far that none is left below the
+    threshold, the hardest has the only level.
 
     Parameters
     ----------
@@ -96,9 +97,7 @@ def by_parameter_distance(
     """
     from scipy.cluster import hierarchy  # noqa: PLC0415 - slow; not for a list of teachers
 
-    extent = np.ptp(variants, axis=0)
-    scaled = variants / np.where(extent > 0, extent, 1.0)
-    distance = np.sqrt(np.square(scaled[:, None, :] - scaled[None, :, :]).sum(axis=2))
+    distance = np.sqrt(np.square(differences(variants, curriculum.axes)).sum(axis=2))
     distance = distance.round(_DECIMALS)
     links = build_dendrogram(distance, config.linkage).links
     # Not fcluster: with equal heights it returns fewer groups than it is asked for.
@@ -164,10 +163,11 @@ def _curriculum(
                 name=name,
                 variants=variants[group],
                 success_rate=rate,
-                boxes=group_boxes(variants, group, config.bounds),
+                boxes=group_boxes(variants, group, config.bounds, curriculum.axes),
             )
             for name, group, rate in zip(names, members, rates, strict=True)
         ),
         levels=build_levels(names, rates, config),
         success_threshold=config.success_threshold,
+        axes=curriculum.axes,
     )

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.axis import CONTINUOUS, Axis
+from surmount.core.names import is_printable
 from surmount.trials.coded_column import Coded, coded, row_pieces
 from surmount.trials.table_problems import Problems
 
@@ -81,6 +83,37 @@ def _is_word(entry: object) -> bool:
     except ValueError:
         return True
     return False
+
+
+def parameter(
+    name: str, array: np.ndarray[Any, Any], problems: Problems
+) -> tuple[FloatArray, Axis]:
+    """Return a column of a task parameter and its axis: names are categories, numbers continuous.
+
+    Categories are in alphabetical order. A column that holds both names and numbers is noted as
+    one of numbers.
+    """
+    if array.dtype.kind not in "biuf":
+        texts: dict[str, int] = {}
+        code = np.empty(array.size, dtype=np.int64)
+        for rows in row_pieces(array.size):
+            entries = [_text(entry) for entry in array[rows].tolist()]
+            code[rows] = [texts.setdefault(entry, len(texts)) for entry in entries]
+        named = [text for text in texts if text]
+        if named and all(map(_is_word, named)):
+            if "" in texts:
+                empty = np.flatnonzero(code == texts[""])
+                problems.rows(empty, f"`{name}` is missing", f"Give each row a `{name}`.")
+            if not all(map(is_printable, named)):
+                problems.add(
+                    f"a category of `{name}` has control characters or is too long",
+                    "Give it a short name of letters and digits.",
+                )
+                return np.zeros(array.size), CONTINUOUS
+            names = sorted(named)
+            rank = np.array([names.index(text) if text else 0 for text in texts], dtype=np.float64)
+            return rank[code], Axis(kind="categorical", names=tuple(names))
+    return numbers(name, array, problems), CONTINUOUS
 
 
 def labels(name: str, array: np.ndarray[Any, Any], problems: Problems) -> Coded:

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray, IntArray
-from surmount.trials.coded_column import CodeArray, Coded, row_pieces
+from surmount.core.arrays import IntArray
+from surmount.core.axis import axes_to_record, variant_text
+from surmount.trials.coded_column import CodeArray, row_pieces
 from surmount.trials.table_check import Table, checked_columns
 from surmount.trials.table_file import read_columns, write_columns
 from surmount.trials.table_problems import Problems
@@ -67,16 +68,21 @@ def write_trials(path: Path | str, trials: Trials) -> None:
     MissingExtraError
         If Parquet is to be written and the extra ``tables`` is not installed.
     """
-    write_columns(Path(path), trials_to_table(trials))
+    axes = axes_to_record(trials.axes, trials.parameters)
+    write_columns(Path(path), trials_to_table(trials), axes)
 
 
 def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
-    """Return trials as columns of equal length, one row per control step."""
+    """Return trials as columns of equal length, one row per control step.
+
+    Categories are written by their names, whole numbers as such.
+    """
     lengths = trials.lengths
     table: dict[str, np.ndarray[Any, Any]] = {}
-    for index, name in enumerate(trials.parameters):
+    for index, (name, axis) in enumerate(zip(trials.parameters, trials.axes, strict=True)):
         column = "variant" if trials.parameters == ("variant",) else f"variant.{name}"
-        table[column] = np.repeat(trials.variant[:, index], lengths)
+        values = np.array([axis.value(float(one)) for one in trials.variant[:, index]])
+        table[column] = np.repeat(values, lengths)
     table["network"] = np.repeat(trials.network, lengths)
     table["trial"] = np.repeat(trials.repetition, lengths)
     table["success"] = np.repeat(trials.success, lengths)
@@ -111,7 +117,7 @@ def trials_from_table(
     problems = Problems()
     columns = checked_columns(table, problems)
     if columns.varied:
-        _check_variants(columns.variant, minimum_variants, minimum_samples, problems)
+        _check_variants(columns, minimum_variants, minimum_samples, problems)
     if not columns.identified:
         problems.raise_if_any(source)
     first, trial = _trial_rows(columns)
@@ -132,6 +138,7 @@ def trials_from_table(
         success=columns.success[first],
         starts=starts,
         features=columns.features,
+        axes=columns.axes,
     )
 
 
@@ -195,17 +202,20 @@ def _whole_trials(starts: IntArray) -> Iterator[tuple[int, int]]:
 
 
 def _check_variants(
-    variant: Coded, minimum_variants: int, minimum_samples: int, problems: Problems
+    columns: Table, minimum_variants: int, minimum_samples: int, problems: Problems
 ) -> None:
+    axes, variant = columns.axes, columns.variant
     variants, counts = variant.distinct, np.bincount(variant.code)
     if variants.shape[0] < minimum_variants:
         problems.add(
-            f"there is only one variant ({_text(variants[0])})"
+            f"there is only one variant ({variant_text(axes, variants[0])})"
             if variants.shape[0] == 1
             else f"there are only {variants.shape[0]} variants",
             f"Record trials on at least {minimum_variants} variants of the task.",
         )
-    for column in variants.T:
+    for axis, column in zip(axes, variants.T, strict=True):
+        if axis.discrete:
+            continue
         values = np.unique(column)
         close = np.flatnonzero(np.diff(values) <= _SAME * np.abs(values[1:]))
         for left, right in zip(values[close], values[close + 1], strict=True):
@@ -216,10 +226,7 @@ def _check_variants(
     for value, count in zip(variants, counts, strict=True):
         if count < minimum_samples:
             problems.add(
-                f"variant {_text(value)} has {count} rows, fewer than {minimum_samples}",
+                f"variant {variant_text(axes, value)} has {count} rows, fewer than "
+                f"{minimum_samples}",
                 "Record more trials on it, or leave the variant out.",
             )
-
-
-def _text(variant: FloatArray) -> str:
-    return ", ".join(f"{value:g}" for value in variant)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.axis import Axes, Axis, stored_values
 from surmount.core.errors import InputError
 from surmount.core.names import LONGEST_NAME, is_printable
 from surmount.trials import column_values
@@ -42,6 +43,8 @@ class Table:
         Shape ``(row,)``.
     features
         Shape ``(row, feature)``, each feature contiguous.
+    axes
+        One per task parameter, as the file says, or as the values tell.
     varied
         Whether the columns of the task parameters are there and sound.
     identified
@@ -55,6 +58,7 @@ class Table:
     trial: Coded
     success: BoolArray
     features: FloatArray
+    axes: Axes
     varied: bool
     identified: bool
 
@@ -103,7 +107,11 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
     del success
     parameters = [name for name in names if _is_parameter(name)]
     before = len(problems.found)
-    variant = coded_combinations([numbers(name) for name in parameters] or [np.zeros(n_rows)])
+    told = columns.axes if isinstance(columns, FileColumns) else {}
+    found = [_parameter(name, columns[name], told, problems) for name in parameters]
+    variant = coded_combinations([values for values, _ in found] or [np.zeros(n_rows)])
+    axes = tuple(axis for _, axis in found)
+    del found
     varied = bool(parameters) and len(problems.found) == before
     # Identities before features, so that the space they need while being coded is free again.
     about_labels = Problems()
@@ -122,9 +130,31 @@ def checked_columns(table: Mapping[str, Any], problems: Problems) -> Table:
         trial=trial,
         success=reached,
         features=values,
+        axes=axes,
         varied=varied,
         identified=identified,
     )
+
+
+def _parameter(
+    column: str, array: Column, told: Mapping[str, Any], problems: Problems
+) -> tuple[FloatArray, Axis]:
+    """Return a column of a task parameter on the axis that the file says it has."""
+    values, axis = column_values.parameter(column, array, problems)
+    name = column.removeprefix("variant.")
+    if name not in told or not np.isfinite(values).all():
+        return values, axis
+    try:
+        said = Axis.from_record(told[name])
+        distinct, which = np.unique(values, return_inverse=True)
+        given = [axis.value(float(one)) for one in distinct]
+        return stored_values(name, given, said)[which.reshape(-1)], said
+    except (InputError, KeyError, TypeError, AttributeError):
+        problems.add(
+            f"`{column}` does not lie on the axis that the file says it has",
+            "Write the table again with `surmount.write_trials`.",
+        )
+        return values, axis
 
 
 def _is_parameter(name: str) -> bool:
@@ -204,6 +234,7 @@ def _empty() -> Table:
         trial=nothing,
         success=np.empty(0, np.bool_),
         features=np.empty((0, 0)),
+        axes=(),
         varied=False,
         identified=False,
     )

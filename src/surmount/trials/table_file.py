@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import secrets
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,6 +29,10 @@ _OTHER_SEPARATORS = ";\t|"
 _WHOLE_KINDS = (np.int8, np.int16, np.int32)
 
 
+_AXES_KEY = "surmount.axes"
+NO_AXES: Mapping[str, Any] = MappingProxyType({})
+
+
 class FileColumns(Mapping[str, Column]):
     """Columns of a file, each handed out once, so that never two copies of a table exist.
 
@@ -38,11 +44,20 @@ class FileColumns(Mapping[str, Column]):
         Length of each.
     take
         Gives a column by name and forgets it.
+    axes
+        What the file says of the axes of task parameters, in JSON form by parameter.
     """
 
-    def __init__(self, names: Sequence[str], n_rows: int, take: Callable[[str], Column]) -> None:
+    def __init__(
+        self,
+        names: Sequence[str],
+        n_rows: int,
+        take: Callable[[str], Column],
+        axes: Mapping[str, Any] = NO_AXES,
+    ) -> None:
         self._names = tuple(names)
         self.n_rows = n_rows
+        self.axes = axes
         self._take = take
 
     def __getitem__(self, name: str) -> Column:
@@ -86,8 +101,15 @@ def read_columns(path: Path) -> FileColumns:
         raise _unreadable(path, error) from error
 
 
-def write_columns(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> None:
-    """Write columns of equal length as Parquet or CSV, whole or not at all."""
+def write_columns(
+    path: Path,
+    columns: Mapping[str, np.ndarray[Any, Any]],
+    axes: Mapping[str, Any] = NO_AXES,
+) -> None:
+    """Write columns of equal length as Parquet or CSV, whole or not at all.
+
+    Parquet also holds what ``axes`` says of task parameters; CSV has no place for it.
+    """
     kind = _kind(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
@@ -95,7 +117,8 @@ def write_columns(path: Path, columns: Mapping[str, np.ndarray[Any, Any]]) -> No
         if kind == "parquet":
             polars = _polars()
             frame = polars.DataFrame(dict(columns))
-            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA})
+            said = {_AXES_KEY: json.dumps(dict(axes))} if axes else {}
+            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **said})
         else:
             _write_csv(temporary, columns)
         temporary.replace(path)
@@ -127,7 +150,8 @@ def _polars() -> Any:
 def _read_parquet(path: Path) -> FileColumns:
     polars = _polars()
     try:
-        version = polars.read_parquet_metadata(path).get(_SCHEMA_KEY, TABLE_SCHEMA)
+        metadata = polars.read_parquet_metadata(path)
+        version = metadata.get(_SCHEMA_KEY, TABLE_SCHEMA)
         lazy = polars.scan_parquet(path)
         types = dict(lazy.collect_schema())
         n_rows = int(lazy.select(polars.len()).collect().item())
@@ -156,7 +180,15 @@ def _read_parquet(path: Path) -> FileColumns:
             column[:] = series.to_list()
         return column
 
-    return FileColumns(list(types), n_rows, take)
+    return FileColumns(list(types), n_rows, take, _axes_said(path, metadata.get(_AXES_KEY, "{}")))
+
+
+def _axes_said(path: Path, text: str) -> Mapping[str, Any]:
+    try:
+        axes = json.loads(text)
+    except ValueError as error:
+        raise _unreadable(path, error) from error
+    return axes if isinstance(axes, dict) else {}
 
 
 def _require_memory(path: Path, n_rows: int, n_columns: int) -> None:

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.axis import (
+    Axes,
+    Axis,
+    AxisKind,
+    common_axes,
+    declared,
+    full_axes,
+    stored_values,
+)
 from surmount.core.errors import InputError
 
 
@@ -35,6 +44,9 @@ class Trials:
         First step of each trial and, last, the number of steps; shape ``(trial + 1,)``.
     features
         One row per control step, shape ``(sample, feature)``.
+    axes
+        One for each task parameter, see :mod:`surmount.core.axis`; all are continuous where none
+        are given.
     """
 
     parameters: tuple[str, ...]
@@ -45,8 +57,10 @@ class Trials:
     success: BoolArray
     starts: IntArray
     features: FloatArray
+    axes: Axes = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", full_axes(self.axes, self.parameters))
         trials = self.n_trials
         expected = {
             "variant": (self.variant.shape, (trials, len(self.parameters))),
@@ -136,11 +150,56 @@ class Trials:
             success=self.success[mask],
             starts=np.concatenate([[0], np.cumsum(self.lengths[mask])]).astype(np.int64),
             features=self.features[rows],
+            axes=self.axes,
         )
+
+    def on(self, axes: Axes) -> Trials:
+        """Return the trials on other axes; categories keep their names.
+
+        Raises
+        ------
+        InputError
+            If a variant cannot lie on its new axis.
+        """
+        if axes == self.axes:
+            return self
+        columns = zip(self.axes, axes, self.parameters, self.variant.T, strict=True)
+        variant = np.stack([_moved(old, new, name, one) for old, new, name, one in columns], 1)
+        return replace(self, variant=variant, axes=axes)
+
+    def declared(self, kinds: Mapping[str, AxisKind]) -> Trials:
+        """Return the trials with task parameters of other kinds than their table told.
+
+        Parameters
+        ----------
+        kinds
+            By parameter; numbers that are said to be categories are named as they are written.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter, or its values cannot lie on such an axis.
+        """
+        unknown = sorted(kinds.keys() - set(self.parameters))
+        if unknown:
+            raise InputError(
+                f"The trials have no task parameter `{unknown[0]}`.",
+                remedy=f"They have {', '.join(self.parameters)}.",
+            )
+        axes, variant = list(self.axes), self.variant.copy()
+        for place, name in enumerate(self.parameters):
+            if name in kinds:
+                axes[place], variant[:, place] = declared(
+                    axes[place], variant[:, place], kinds[name], name
+                )
+        return replace(self, variant=variant, axes=tuple(axes))
 
     @classmethod
     def concatenate(cls, parts: Sequence[Trials]) -> Trials:
-        """Join trials of the same task family and features, in the order given."""
+        """Join trials of the same task family and features, in the order given.
+
+        Categories are those of all parts.
+        """
         first = parts[0]
         for part in parts[1:]:
             if (part.parameters, part.feature_names) != (first.parameters, first.feature_names):
@@ -150,6 +209,8 @@ class Trials:
                     f"{(part.parameters, part.feature_names)}.",
                     remedy="Join only trials of one task family, logged alike.",
                 )
+        axes = common_axes([part.axes for part in parts], first.parameters)
+        parts = [part.on(axes) for part in parts]
         lengths = np.concatenate([part.lengths for part in parts])
         return cls(
             parameters=first.parameters,
@@ -160,7 +221,14 @@ class Trials:
             success=np.concatenate([part.success for part in parts]),
             starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
             features=np.concatenate([part.features for part in parts]),
+            axes=axes,
         )
+
+
+def _moved(old: Axis, new: Axis, name: str, column: FloatArray) -> FloatArray:
+    distinct, which = np.unique(column, return_inverse=True)
+    values = [old.value(float(one)) for one in distinct]
+    return stored_values(name, values, new)[which.reshape(-1)]
 
 
 def success_rates(variant: FloatArray, network: IntArray, success: BoolArray) -> FloatArray:
