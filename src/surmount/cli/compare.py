@@ -63,7 +63,11 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     console = Console()
     experiment = Experiment(chosen, options.out)
     outcome = experiment.compare(
-        options.teachers, settings=teaching, **options.workers.checked(), console=console
+        options.teachers,
+        settings=teaching,
+        **options.workers.checked(),
+        console=console,
+        amend=options.resume,
     )
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")

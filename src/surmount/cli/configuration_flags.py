@@ -58,7 +58,8 @@ class RunOptions(ConfigurationOptions):
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
     """Folder for everything the run makes."""
     resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Go on with the run in --out, with its stored configuration."""
+    """Go on with the run in --out, with its stored configuration; flags and --set change what no
+    finished stage depends on."""
     workers: WorkerOptions = field(default_factory=Workers)
     """Where stages run."""
 

@@ -115,11 +115,14 @@ class Entry:
         Where it is from.
     make
         Makes it.
+    needs_value_errors
+        Whether only learners with a critic that estimates advantages can have it.
     """
 
     title: str
     source: str
     make: Callable[[TeacherContext], Teacher]
+    needs_value_errors: bool = False
 
 
 def make_teacher(name: str, context: TeacherContext) -> Teacher:
@@ -264,6 +267,7 @@ TEACHERS = {
         title="prioritised level replay",
         source="Jiang et al. 2021",
         make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
+        needs_value_errors=ReplayTeacher.needs_value_errors,
     ),
     "spdl": Entry(title="self-paced", source="Klink et al. 2020, 2021", make=_spdl),
 }
