@@ -55,6 +55,9 @@ PAYS = 0.5
 
 
 class Nobody:  # noqa: D101 - as `RunObserver` describes it
+    def stage_outdated(self, stage: str, folders) -> None:
+        pass
+
     def stage_reused(self, artefact) -> None:
         pass
 

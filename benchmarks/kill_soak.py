@@ -40,7 +40,7 @@ CHANGES = {
     "networks": 2,
     "initial_steps": 20_000,
     "checkpoint_steps": 2_000,
-    "env.decision_interval_s": 0.1,
+    "env.step_s": 0.1,
     "env.episode_s": 4.0,
     "learner.hidden_layers": [32, 32],
     "learner.rollout_steps": 64,
@@ -62,6 +62,9 @@ class Watcher:  # as `RunObserver` describes it
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("a", encoding="utf-8")
+
+    def stage_outdated(self, stage: str, folders) -> None:
+        pass
 
     def stage_reused(self, artefact) -> None:
         self._write(artefact.stage, "reused", 0)

@@ -2,8 +2,8 @@
 
     python benchmarks/learner_curves.py docs/results/learner [--help]
 
-A point mass is driven to a goal by changing its force a little at every decision of 10 ms, as RSTAR
-is by rate commands; only reaching the goal pays. Both learners, each with credit per decision
+A point mass is driven to a goal by changing its force a little at every step of 10 ms, as RSTAR
+is by rate commands; only reaching the goal pays. Both learners, each with credit per step
 (γ 0.99, λ 0.95) and in seconds, several seeds, one single-threaded process per run. Writes
 `curves.csv`, one row per run and window of learning steps, and `curves.png`, success of the
 episodes that ended in each window: mean over seeds with its standard error.
@@ -36,16 +36,16 @@ from surmount.workflow.monitor import SilentMonitor
 DECISION_S = 0.01
 EPISODE_DECISIONS = 400
 FORCE_STEP = 0.04
-"""Largest change of the force per decision; the force is within ± 1."""
+"""Largest change of the force per step; the force is within ± 1."""
 GAIN_MPS2, DRAG_PER_S = 2.0, 0.5
 TOLERANCE_M = 0.05
 GOALS_M = (0.5, 3.0)
 CREDITS = {
-    "per decision": {},
+    "per step": {},
     "in seconds": {"discount_time_s": 5.0, "gae_time_s": 0.5},
 }
 COLOURS = {"surmount": "#0072B2", "ml-agents": "#D55E00"}
-DASHES = {"per decision": "--", "in seconds": "-"}
+DASHES = {"per step": "--", "in seconds": "-"}
 COLUMNS = ("learner", "credit", "seed", "steps_to", "episodes", "success", "reward")
 
 
@@ -54,7 +54,7 @@ class PointMass:
 
     task_parameters: tuple[str, ...] = ("goal_m",)
     feature_names: tuple[str, ...] = ("time_s", "position_m")
-    decision_interval_s: float = DECISION_S
+    step_s: float = DECISION_S
     render_mode: str | None = None
     single_observation_space = gymnasium.spaces.Box(-10, 10, (4,), np.float32)
     single_action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
@@ -66,7 +66,7 @@ class PointMass:
         )
         self._distribution = self.whole_range
         self._rng = np.random.default_rng()
-        # Position, speed and force, goal, decisions taken.
+        # Position, speed and force, goal, steps taken.
         self._x, self._v, self._u, self._goal, self._age = np.zeros((5, num_envs))
 
     def set_task_distribution(self, distribution: TaskDistribution) -> None:

@@ -3,8 +3,8 @@
     OMP_NUM_THREADS=1 python benchmarks/memory_soak.py --steps 10000000 --out out/memory
 
 Trains on the low entrance through the shipped trainer, with checkpoints, and reads the resident
-memory of the process (``/proc/self/statm``) after every roll-out. Networks are small and decisions
-short (two ticks of physics), so that the steps are affordable; what could grow (history, episodes,
+memory of the process (``/proc/self/statm``) after every roll-out. Networks are small and steps
+short (two physics steps), so that they are affordable; what could grow (history, episodes,
 checkpoints, logger) is what a long run has. Writes the readings as CSV and a figure.
 """
 
@@ -27,7 +27,7 @@ from surmount.teachers.uniform import UniformTeacher
 from surmount.workflow.monitor import SilentMonitor
 
 CHANGES = {
-    "env.decision_interval_s": 0.005,
+    "env.step_s": 0.005,
     "env.episode_s": 1.0,
     "learner.num_envs": 64,
     "learner.hidden_layers": [16, 16],

@@ -1,15 +1,15 @@
-"""Random actions for millions of decisions: what goes wrong, and how far.
+"""Random actions for millions of steps: what goes wrong, and how far.
 
     OMP_NUM_THREADS=1 python benchmarks/random_actions_soak.py --steps 10000000 --processes 2 \
         --out soak.jsonl [--set robot.gear=both ...]
 
 Variants are uniform, starts random, as in training. A third of the environments draws new actions
-at every decision, a third holds each for up to a second, a third goes from one limit to another and
+at every step, a third holds each for up to a second, a third goes from one limit to another and
 holds it for up to a second. All three obstacles take an equal share.
 
-At every decision, of every environment: values that are not finite, divergence, tunnelling (the
+At every step, of every environment: values that are not finite, divergence, tunnelling (the
 centre of base, carrier or wheel inside a block, inside the floor or under it), energy, speed. At
-every decision, of one environment in turn: depth of contacts. At every hundredth, of one
+every step, of one environment in turn: depth of contacts. At every hundredth, of one
 environment: overlap of the robot's own parts, which do not collide in the simulation.
 
 The limits were set before the runs: see ``LIMITS``. The script ends with an error if one is passed.
@@ -40,7 +40,7 @@ from soundness import Soundness
 
 NUM_ENVS = 36
 PIECE = 100_000
-"""Decisions of a piece, over all of its environments."""
+"""Steps of a piece, over all of its environments."""
 DEPTHS_MM = (1.0, 2.0, 3.0, 5.0)
 SELF_EVERY = 100
 LONGEST_HOLD_S = 1.0
@@ -63,7 +63,7 @@ FAST_DEGPS = 160.0
 
 
 class RandomActions:
-    """New actions at every decision, held ones, and full ones of either sign, a third each."""
+    """New actions at every step, held ones, and full ones of either sign, a third each."""
 
     def __init__(self, rng, num_envs, interval_s):
         self.rng = rng
@@ -97,13 +97,13 @@ class Worst:
     def __init__(self):
         self.value, self.where = 0.0, None
 
-    def see(self, values, decision, variants, envs=None):
+    def see(self, values, step, variants, envs=None):
         """Look at values of some environments."""
         index = int(np.argmax(values))
         if values[index] > self.value:
             env = index if envs is None else envs
             self.value = float(values[index])
-            self.where = {"decision": decision, "env": env, "size_mm": float(variants[env])}
+            self.where = {"step": step, "env": env, "size_mm": float(variants[env])}
 
 
 def run_piece(task):
@@ -118,38 +118,36 @@ def run_piece(task):
     looks = Soundness(env.obstacle, config, env.simulation)
     root = np.random.SeedSequence([seed, list(OBSTACLES).index(obstacle), piece])
     env_seed, action_seed = root.generate_state(2)
-    actions = RandomActions(
-        np.random.default_rng(action_seed), num_envs, config.decision_interval_s
-    )
+    actions = RandomActions(np.random.default_rng(action_seed), num_envs, config.step_s)
     _, infos = env.reset(seed=int(env_seed))
     worst = {name: Worst() for name in LARGEST}
     counts = dict.fromkeys(COUNTED, 0)
     deeper = {name: [0] * len(DEPTHS_MM) for name in ("floor_mm", "block_mm")}
-    data, decisions = None, steps // num_envs
+    data, steps = None, steps // num_envs
     begin = time.process_time()
-    for decision in range(decisions):
+    for step in range(steps):
         size_mm = infos["variant"][:, 0]
         observation, reward, terminated, truncated, infos = env.step(actions.next())
         numbers = (observation, reward, infos["features"])
         counts["not_finite"] += int(not all(np.isfinite(values).all() for values in numbers))
         counts["tunnelled"] += int(looks.tunnelled(size_mm).sum())
         energy = looks.energy_j()
-        worst["kinetic_j"].see(energy[:, 1], decision, size_mm)
-        worst["total_j"].see(energy.sum(axis=1), decision, size_mm)
-        worst["speed_mps"].see(looks.speed_mps(), decision, size_mm)
+        worst["kinetic_j"].see(energy[:, 1], step, size_mm)
+        worst["total_j"].see(energy.sum(axis=1), step, size_mm)
+        worst["speed_mps"].see(looks.speed_mps(), step, size_mm)
         speed_degps = looks.joint_speed_degps()
-        worst["joint_degps"].see(speed_degps, decision, size_mm)
+        worst["joint_degps"].see(speed_degps, step, size_mm)
         counts["fast"] += int(np.count_nonzero(speed_degps > FAST_DEGPS))
-        seen = decision % num_envs
+        seen = step % num_envs
         data = env.simulation.data(seen, data)
         counts["looks"] += 1
         for name, depth in zip(deeper, looks.penetration_mm(data), strict=True):
-            worst[name].see([depth], decision, size_mm, seen)
+            worst[name].see([depth], step, size_mm, seen)
             for index, limit in enumerate(DEPTHS_MM):
                 deeper[name][index] += int(depth > limit)
-        if decision % SELF_EVERY == 0:
+        if step % SELF_EVERY == 0:
             counts["self_looks"] += 1
-            worst["self_mm"].see([looks.self_penetration_mm(data)], decision, size_mm, seen)
+            worst["self_mm"].see([looks.self_penetration_mm(data)], step, size_mm, seen)
         ended = terminated | truncated
         if ended.any():
             counts["episodes"] += int(ended.sum())
@@ -159,8 +157,8 @@ def run_piece(task):
     return {
         "obstacle": obstacle,
         "piece": piece,
-        "steps": decisions * num_envs,
-        "ticks": decisions * num_envs * config.ticks_per_decision,
+        "steps": steps * num_envs,
+        "physics steps": steps * num_envs * config.physics_steps_per_step,
         "seconds": time.process_time() - begin,
         "counts": counts | {"warnings": int(env.simulation.batch.warning.sum())},
         "deeper": deeper,
@@ -169,7 +167,7 @@ def run_piece(task):
 
 
 def pieces(args, record):
-    """Return what there is to do: obstacle, number, decisions, seed and configuration."""
+    """Return what there is to do: obstacle, number, steps, seed and configuration."""
     share = -(-args.steps // len(args.obstacles))
     size = min(PIECE, share)
     return [
@@ -216,14 +214,14 @@ def work(args, config):
 
 
 ROWS = (
-    ("decisions", "steps", ",d"),
-    ("physics ticks", "ticks", ",d"),
+    ("steps", "steps", ",d"),
+    ("physics steps", "physics steps", ",d"),
     ("episodes ended", "episodes", ",d"),
     ("of them at the target", "successes", ",d"),
     ("simulations that diverged", "diverged", ",d"),
     ("MuJoCo's warnings", "warnings", ",d"),
-    ("decisions with a value that is not finite", "not_finite", ",d"),
-    ("tunnelling, environments × decisions", "tunnelled", ",d"),
+    ("steps with a value that is not finite", "not_finite", ",d"),
+    ("tunnelling, environments × steps", "tunnelled", ",d"),
     ("looks at contacts", "looks", ",d"),
     ("deepest in the floor, mm", "floor_mm", ".2f"),
     *(
@@ -238,7 +236,7 @@ ROWS = (
     ("largest kinetic and potential energy, J", "total_j", ".2f"),
     ("largest speed of the base, m/s", "speed_mps", ".2f"),
     ("fastest sprawl or FBEM joint, degrees/s", "joint_degps", ".0f"),
-    (f"faster than {FAST_DEGPS:g} degrees/s, environments × decisions", "fast", ",d"),
+    (f"faster than {FAST_DEGPS:g} degrees/s, environments × steps", "fast", ",d"),
 )
 
 
@@ -278,7 +276,7 @@ def extremes(results):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--steps", type=int, default=60_000, help="decisions, over all obstacles")
+    parser.add_argument("--steps", type=int, default=60_000, help="steps, over all obstacles")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--obstacles", nargs="+", choices=list(OBSTACLES), default=list(OBSTACLES))

@@ -2,12 +2,12 @@
 
     OMP_NUM_THREADS=1 python benchmarks/stepping_speed.py [peers|parts|scaling|memory ...]
 
-peers    9 environments, same model, same starts, same actions, same ticks. Peers: a bare loop, in
+peers    9 environments, same model, starts, actions and physics steps. Peers: a bare loop, in
          which as many Python threads each call ``mj_step(model, data, nstep)`` on their share of
          the simulations and never wait for each other; Stable-Baselines3's DummyVecEnv and
          SubprocVecEnv, Gymnasium's SyncVectorEnv and AsyncVectorEnv over single environments.
-parts    Where the time of a decision of the batched environment goes: MuJoCo's call, and what
-         Python does around it. Percentiles of single decisions: on a busy machine the lower ones
+parts    Where the time of a step of the batched environment goes: MuJoCo's call, and what
+         Python does around it. Percentiles of single steps: on a busy machine the lower ones
          are of those that nothing else interrupted.
 scaling  Ticks a second over 1 to 256 environments, beside the bare loop on as many threads.
 memory   Resident memory that a further environment takes; on Linux.
@@ -56,7 +56,7 @@ def random_actions(steps, num_envs):
 
     In a quarter of the longest episode none reaches the target, nor falls off the floor.
     """
-    assert steps <= EnvConfig().steps_per_episode // 4, "Measure fewer decisions."
+    assert steps <= EnvConfig().steps_per_episode // 4, "Measure fewer steps."
     return np.random.default_rng(0).uniform(-1, 1, (steps, num_envs, 3)).astype(np.float32)
 
 
@@ -66,7 +66,7 @@ class Bare:
     def __init__(self, num_envs, n_threads):
         env = ObstacleVectorEnv(OBSTACLE, num_envs, n_threads=1)
         env.reset(seed=0, options=OPTIONS)
-        self.model, self.ticks = env.simulation.model, env.config.ticks_per_decision
+        self.model, self.ticks = env.simulation.model, env.config.physics_steps_per_step
         self.start = env.state_dict()["simulation"]
         names = [self.model.actuator(i).name.split("_")[-1] for i in range(self.model.nu)]
         self.kind = np.array([{"fbem": 1, "sprawl": 2}.get(name, 0) for name in names])
@@ -75,18 +75,18 @@ class Bare:
         self.shares = [range(first, num_envs, n_threads) for first in range(n_threads)]
 
     def run(self, actions):
-        """Return the seconds that so many decisions take."""
+        """Return the seconds that so many steps take."""
         controls = actions.astype(np.float64)[:, :, self.kind] * self.full
         for data, row in zip(self.datas, self.start, strict=True):
             mujoco.mj_setState(self.model, data, row, WHOLE_STATE)
 
         def work(share):
-            step, model, datas, ticks = mujoco.mj_step, self.model, self.datas, self.ticks
+            step, model, datas, physics_steps = mujoco.mj_step, self.model, self.datas, self.ticks
             for controls_now in controls:
                 for env in share:
                     data = datas[env]
                     data.ctrl[:] = controls_now[env]
-                    step(model, data, ticks)
+                    step(model, data, physics_steps)
 
         threads = [threading.Thread(target=work, args=(share,)) for share in self.shares]
         begin = time.perf_counter()
@@ -108,7 +108,7 @@ class Ours:
         self.env = ObstacleVectorEnv(OBSTACLE, num_envs, n_threads=n_threads)
 
     def run(self, actions):
-        """Return the seconds that so many decisions take."""
+        """Return the seconds that so many steps take."""
         self.env.reset(seed=0, options=OPTIONS)
         begin = time.perf_counter()
         for action in actions:
@@ -128,7 +128,7 @@ class StableBaselines:
         self.env = kind([lambda: ObstacleEnv(OBSTACLE)] * num_envs)
 
     def run(self, actions):
-        """Return the seconds that so many decisions take."""
+        """Return the seconds that so many steps take."""
         self.env.set_options(OPTIONS)
         self.env.reset()
         begin = time.perf_counter()
@@ -144,7 +144,7 @@ class Gymnasium:
         self.env = gymnasium.make_vec(GYM_ID, num_envs=num_envs, vectorization_mode=mode)
 
     def run(self, actions):
-        """Return the seconds that so many decisions take."""
+        """Return the seconds that so many steps take."""
         self.env.reset(seed=0, options=OPTIONS)
         begin = time.perf_counter()
         for action in actions:
@@ -182,19 +182,19 @@ def peers(args):
     np.testing.assert_array_equal(bare.positions(), ours.positions())
     for other in others:
         np.testing.assert_array_equal(other.seen, ours.seen)
-    print(f"\n{num_envs} environments, {bare.ticks} ticks a decision, {args.steps} decisions, ")
+    print(f"\n{num_envs} environments, {bare.ticks} physics steps a step, {args.steps} steps, ")
     print(f"{args.repeats} interleaved repetitions.\n")
-    print("| | ticks a second | decisions a second | batched environment is |")
+    print("| | physics steps a second | steps a second | batched environment is |")
     print("|---|---|---|---|")
-    decisions = args.steps * num_envs / np.median(seconds, axis=0)
+    steps = args.steps * num_envs / np.median(seconds, axis=0)
     ratio = np.median(seconds / seconds[:, 1:2], axis=0)
-    for name, rate, times in zip(runners, decisions, ratio, strict=True):
+    for name, rate, times in zip(runners, steps, ratio, strict=True):
         print(f"| {name} | {rate * bare.ticks:,.0f} | {rate:,.0f} | {times:.2f} × as fast |")
     for runner in others[1:]:
         runner.env.close()
 
 
-WHOLE, PHYSICS, COMMANDS = "whole decision", "MuJoCo's call", "commands, divergence"
+WHOLE, PHYSICS, COMMANDS = "whole step", "MuJoCo's call", "commands, divergence"
 PARTS = (
     (WHOLE, ObstacleVectorEnv, "step"),
     (PHYSICS, Batch, "step"),
@@ -205,7 +205,7 @@ PARTS = (
     ("infos", ObstacleVectorEnv, "_infos"),
     ("observations", Observer, "observe"),
 )
-"""Parts of a decision and their methods."""
+"""Parts of a step and their methods."""
 
 
 def timed(method, taken):
@@ -221,7 +221,7 @@ def timed(method, taken):
 
 
 def seconds_of_parts(args, threads):
-    """Return seconds of every decision, by part."""
+    """Return seconds of every step, by part."""
     env = ObstacleVectorEnv(OBSTACLE, 9, n_threads=threads)
     actions = random_actions(args.steps, env.num_envs)
     everything = {part: [] for part, _, _ in PARTS}
@@ -244,7 +244,7 @@ def parts(args):
         whole = taken.pop(WHOLE)
         taken["the rest, and looking at the clock"] = whole - sum(taken.values())
         taken |= {"all but MuJoCo's call": whole - taken[PHYSICS], WHOLE: whole}
-        print(f"\n9 environments, {threads} threads, µs a decision, percentiles.\n")
+        print(f"\n9 environments, {threads} threads, µs a step, percentiles.\n")
         print(f"| part | {' | '.join(f'{p} %' for p in percentiles)} |")
         print("|---" * (len(percentiles) + 1) + "|")
         for part, seconds in taken.items():
@@ -253,16 +253,16 @@ def parts(args):
 
 
 def scaling(args):
-    print("\n| environments | threads | ticks a second | bare loop | ratio |")
+    print("\n| environments | threads | physics steps a second | bare loop | ratio |")
     print("|---|---|---|---|---|")
     for num_envs in (1, 2, 4, 9, 16, 32, 64, 128, 256):
         for threads in sorted({1, min(args.threads, num_envs)}):
             steps = min(250, max(20, 2000 // num_envs))
             runners = [Bare(num_envs, threads), Ours(num_envs, threads)]
             seconds = interleaved(runners, random_actions(steps, num_envs), args.repeats)
-            ticks = steps * num_envs * runners[0].ticks / np.median(seconds, axis=0)
+            bare, ours = steps * num_envs * runners[0].ticks / np.median(seconds, axis=0)
             ratio = np.median(seconds[:, 0] / seconds[:, 1])
-            print(f"| {num_envs} | {threads} | {ticks[1]:,.0f} | {ticks[0]:,.0f} | {ratio:.2f} |")
+            print(f"| {num_envs} | {threads} | {ours:,.0f} | {bare:,.0f} | {ratio:.2f} |")
             sys.stdout.flush()
 
 

@@ -199,7 +199,7 @@ def physics_round(obstacle):
     """Return a function that calls ``mj_step`` alone on nine simulations, as a roll-out does."""
     env = ObstacleVectorEnv(obstacle, CONFIG.num_envs, n_threads=1)
     env.reset(seed=0)
-    simulation, ticks = env.simulation, env.config.ticks_per_decision
+    simulation, physics_steps = env.simulation, env.config.physics_steps_per_step
     model = simulation.model
     start = [simulation.batch.get_data(index) for index in range(CONFIG.num_envs)]
     controls = np.random.default_rng(0).uniform(-1, 1, (200, CONFIG.num_envs, model.nu))
@@ -210,9 +210,9 @@ def physics_round(obstacle):
         for row in controls:
             for data, control in zip(datas, row, strict=True):
                 data.ctrl[:] = control
-                mujoco.mj_step(model, data, ticks)
+                mujoco.mj_step(model, data, physics_steps)
 
-    return step, len(controls) * CONFIG.num_envs * ticks
+    return step, len(controls) * CONFIG.num_envs * physics_steps
 
 
 def product_round():
@@ -234,7 +234,7 @@ def training_round(obstacle, seed):
 
 WORK = {
     "training, learning steps": training_round,
-    "`mj_step` alone, ticks": lambda obstacle, _: physics_round(obstacle),
+    "`mj_step` alone, physics steps": lambda obstacle, _: physics_round(obstacle),
     "matrix products alone": lambda _, __: product_round(),
 }
 """What is done by one process and by two side by side: a function and its units of work."""

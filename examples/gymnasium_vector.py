@@ -30,7 +30,7 @@ def widths(env, steps):
 
 
 def main(steps=1000, num_envs=2):
-    config = EnvConfig(decision_interval_s=0.02, episode_s=2.0)
+    config = EnvConfig(step_s=0.02, episode_s=2.0)
     results = {}
     for mode in ("sync", "async"):
         # Workers are started anew, not forked: other threads may run.

@@ -41,7 +41,7 @@ def test_skrl_trains_on_the_batched_environment():
     fresh, trained = (train_skrl.main(steps=steps, num_envs=4, rollouts=16) for steps in (0, 160))
     weights = [agent.models["policy"].net[0].weight.detach().numpy() for agent in (fresh, trained)]
     assert np.isfinite(weights[1]).all()
-    assert not np.array_equal(*weights)  # 2 updates of 64 decisions
+    assert not np.array_equal(*weights)  # 2 updates of 64 steps
     assert torch.isfinite(trained.models["value"].net[-1].bias).all()
 
 
@@ -51,7 +51,7 @@ def test_a_pushed_distribution_holds_across_the_automatic_resets_of_gymnasiums_v
     results = gymnasium_vector.main(steps=105)
     assert set(results) == {"sync", "async", "batched"}
     for seen, ended in results.values():
-        assert ended >= 2  # an episode of 100 decisions in each of two environments
+        assert ended >= 2  # an episode of 100 steps in each of two environments
         assert len(seen) >= 4
         assert 180.0 <= min(seen) <= max(seen) <= 220.0
     # Gymnasium resets singles in a step of their own; until then the three are alike.

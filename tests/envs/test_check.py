@@ -150,11 +150,11 @@ def test_an_environment_without_a_time_limit_is_found_before_any_episode_runs():
 
 
 def test_the_first_episode_without_end_is_the_last(monkeypatch):
-    monkeypatch.setattr("surmount.envs.check.LONGEST_EPISODE", 10)  # of 12 decisions
+    monkeypatch.setattr("surmount.envs.check.LONGEST_EPISODE", 10)  # of 12 steps
     findings = check_contract(lambda: make_point(success=lambda transition: False))
     assert findings[-1].clause == "episodes end"
-    assert findings[-1].sentence == "one had not ended after 10 decisions"
-    assert findings[-2].sentence == "10 decisions, on 1 of 12 variants"
+    assert findings[-1].sentence == "one had not ended after 10 steps"
+    assert findings[-2].sentence == "10 steps, on 1 of 12 variants"
 
 
 @pytest.mark.parametrize(

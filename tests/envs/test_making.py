@@ -65,8 +65,8 @@ def test_an_error_with_its_own_remedy_keeps_both():
 
 
 def test_arguments_with_defaults_need_not_be_given():
-    assert make_task_env(lambda env=None, *rest, **more: make_point(env)).decision_s == 0.05
-    assert make_task_env(functools.partial(make_point, PointEnv())).decision_s == 0.05
+    assert make_task_env(lambda env=None, *rest, **more: make_point(env)).step_s == 0.05
+    assert make_task_env(functools.partial(make_point, PointEnv())).step_s == 0.05
 
 
 def test_the_shortest_limit_around_an_environment_counts():
@@ -95,7 +95,7 @@ def test_a_registration_with_a_limit_counts_where_there_is_no_wrapper():
 def test_a_registered_limit_that_nothing_keeps_is_found():
     finding = check_contract(lambda: registered(7))[-1]
     assert (finding.clause, finding.holds) == ("episodes end", False)
-    assert finding.sentence == "one had not ended after 7 decisions"
+    assert finding.sentence == "one had not ended after 7 steps"
 
 
 def test_a_family_takes_the_limit_of_a_wrapper(tmp_path, monkeypatch):

@@ -53,7 +53,7 @@ def test_its_package_registers_its_tasks(page, monkeypatch):
         assert family.name == config.task
         env = family.make(page.PendulumConfig(mass_kg=2.0))
         assert env.unwrapped.m == 2.0
-        assert family.cap_s(config.env) == pytest.approx(time_limit(env) * env.decision_s)
+        assert family.cap_s(config.env) == pytest.approx(time_limit(env) * env.step_s)
         many = family.training_env(config.env, 2)
         many.reset(seed=0)
         assert many.num_envs == 2

@@ -38,7 +38,7 @@ def test_a_distribution_holds_in_the_vector_envs_of_stable_baselines(kind):
             ended += int(dones.sum())
             tasks += [info["variant"] for info in infos]
             goals += (observation.sum(axis=1)[~dones]).tolist()
-        assert ended == 6  # three episodes of 12 decisions in each of two environments
+        assert ended == 6  # three episodes of 12 steps in each of two environments
         assert within(tasks)
         assert len({tuple(task) for task in tasks}) == 8
         assert all(1.2 - 1e-5 <= goal <= 1.4 + 1e-5 for goal in goals)  # what is simulated
@@ -68,7 +68,7 @@ def test_a_distribution_holds_in_the_vector_envs_of_gymnasium(mode):
 
 def test_the_batch_resets_in_the_same_step_and_tells_the_last_infos():
     batch = TaskBatch(make_env, 3)
-    assert batch.decision_interval_s == batch.envs[0].decision_s
+    assert batch.step_s == batch.envs[0].step_s
     batch.set_task_distribution(NARROW)
     _, infos = batch.reset(seed=1)
     before = infos["variant"].copy()

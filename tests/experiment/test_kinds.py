@@ -92,7 +92,7 @@ def test_a_key_holds_the_kind_and_not_where_its_function_is():
 def test_kinds_are_what_they_are_for_ever():
     assert set(KINDS) == {
         "initiation", "trials", "join-trials", "analysis", "curriculum", "control", "statistics",
-        "teacher", "teacher-statistics",
+        "evidence", "teacher", "teacher-statistics",
     }  # fmt: skip
     assert all(name == kind.name for name, kind in KINDS.items())
     assert len({kind.function for kind in KINDS.values()}) == len(KINDS)
@@ -109,6 +109,7 @@ def test_every_stage_of_a_run_of_that_time_is_found():
     }
     keys = {stage.name: stage.legacy_key(finished) for stage in stages}
     changed = {stage.name for stage in stages if stage.kind.name in SINCE_CHANGED}
+    assert keys.pop("evidence") is None  # there was none
     assert {name: key for name, key in keys.items() if name not in changed} == {
         name: key for name, key in BEFORE["keys"].items() if name not in changed
     }

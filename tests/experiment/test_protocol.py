@@ -52,7 +52,7 @@ def test_every_stage_of_the_method_is_run(finished):
     per_network = ["initiation", "trials", "curriculum", "control", "test-curriculum",
                    "test-control"]  # fmt: skip
     expected = {f"{kind}/network-{i}" for kind in per_network for i in range(2)}
-    assert outcome.artefacts.keys() == expected | {"analysis", "statistics"}
+    assert outcome.artefacts.keys() == expected | {"analysis", "statistics", "evidence"}
 
 
 def test_trials_cover_every_variant_and_repetition_of_every_network(finished):

@@ -61,7 +61,7 @@ def test_the_whole_protocol_runs_on_somebodys_own_environment(compared):
     assert np.bincount(index).tolist() == [2] * 12
     assert trials.feature_names == ("time_s", "position_m")
     statistics = read_record(outcome.artefacts["statistics"].path("statistics.json"))
-    assert statistics["cap_s"] == pytest.approx(12 / 20)  # decisions at 20 per second
+    assert statistics["cap_s"] == pytest.approx(12 / 20)  # steps at 20 per second
 
 
 def test_every_teacher_trains_as_long_as_the_papers_from_the_same_networks(compared):

@@ -1,4 +1,4 @@
-"""Times in seconds are worth the same at every decision interval."""
+"""Times in seconds are worth the same at every step."""
 
 from __future__ import annotations
 

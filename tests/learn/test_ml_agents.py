@@ -342,7 +342,7 @@ def test_a_network_says_how_it_acted_only_where_that_is_unusual():
     usual, other = trained(CONFIG).network, trained(CORRELATED).network
     assert usual.record.keys() == {"hidden_layers", "activation", "normalise_observations"}
     assert other.record["action_divisor"] == 3.0
-    assert other.record["exploration_noise"] == {"correlation_s": 0.2, "decision_interval_s": 0.05}
+    assert other.record["exploration_noise"] == {"correlation_s": 0.2, "step_s": 0.05}
     assert actor_of(usual).noise_correlation == 0.0
     assert actor_of(other).noise_correlation == pytest.approx(math.exp(-0.25))
 
@@ -365,7 +365,7 @@ def test_trials_act_as_the_network_learnt_to():
         {"action_divisor": "3"},
         {"exploration_noise": 0.1},
         {"exploration_noise": {"correlation_s": 0.1}},
-        {"exploration_noise": {"correlation_s": -1, "decision_interval_s": 0.01}},
+        {"exploration_noise": {"correlation_s": -1, "step_s": 0.01}},
     ],
 )
 def test_a_record_that_makes_no_sense_is_refused(spoilt):

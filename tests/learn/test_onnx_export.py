@@ -70,7 +70,7 @@ def test_it_acts_as_the_network(tmp_path, activation, normalise):
 
 def test_draws_are_divided_as_the_network_does(tmp_path):
     original = network()
-    noise = {"correlation_s": 0.1, "decision_interval_s": 0.01}
+    noise = {"correlation_s": 0.1, "step_s": 0.01}
     divided = Snapshot(
         tensors=original.tensors,
         record={**original.record, "action_divisor": 3.0, "exploration_noise": noise},

@@ -32,7 +32,7 @@ def test_rollouts_are_those_of_stable_baselines3(config):
         for learner in (lean, stock):
             assert collect(learner, seed=seed)
         for name in (*COLUMNS, *RESULTS):
-            # Single precision, over 64 decisions each of which builds on the last.
+            # Single precision, over 64 steps each of which builds on the last.
             np.testing.assert_allclose(
                 getattr(lean.rollout_buffer, name),
                 getattr(stock.rollout_buffer, name),

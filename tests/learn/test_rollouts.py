@@ -34,8 +34,8 @@ def trials_of(distances, repetitions=2):
 def test_a_trial_holds_its_own_steps_from_start_to_end():
     trials = trials_of([1.0, 2.0, 99.0])
     assert trials.success.tolist() == [True, True, True, True, False, False]
-    # Full speed covers STEP a decision and stops within the tolerance of the goal, one row being
-    # the start pose; the unreachable goal ends by the limit of 40 decisions.
+    # Full speed covers STEP a step and stops within the tolerance of the goal, one row being
+    # the start pose; the unreachable goal ends by the limit of 40 steps.
     assert trials.lengths.tolist() == [6, 6, 11, 11, 41, 41]
     np.testing.assert_allclose(trials.final("position_m"), STEP * (trials.lengths - 1))
     np.testing.assert_allclose(trials.path_length("position_m"), STEP * (trials.lengths - 1))

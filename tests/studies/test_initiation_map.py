@@ -26,7 +26,7 @@ initial_steps = 1
 [settings.base]
 [settings.slow]
 networks = 1
-changes = {"env.decision_interval_s" = 0.05}
+changes = {"env.step_s" = 0.05}
 """
 
 
@@ -45,6 +45,12 @@ def test_a_map_runs_every_setting_and_goes_on_with_what_is_added(tmp_path, capsy
         name: np.shape(found["obstacles"]["low-entrance"]["success"])
         for name, found in record["settings"].items()
     } == {"base": (2, 18), "slow": (1, 18)}
+    base = record["settings"]["base"]
+    entrance = base["obstacles"]["low-entrance"]
+    # The paper's entrance is scored; its channel, whose groups are assumed, would not be.
+    assert base["score"] == entrance["score"]["log_likelihood"] < 0
+    assert (base["out"], entrance["networks"]) == (None, [0, 1])
+    assert f"{base['score']:.2f}" in capsys.readouterr().out
     for suffix in ("svg", "png", "csv"):
         assert (out / f"initiations.{suffix}").stat().st_size > 500
     capsys.readouterr()

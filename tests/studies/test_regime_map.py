@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 KEYS = "\n".join(
     f'"{key}" = {json.dumps(value)}' for key, value in (SMALL | {"networks": 1}).items()
 )
-AXES = '"env.robot.friction" = [0.7]\n"env.decision_interval_s" = [0.1, 0.2]\n'
+AXES = '"env.robot.friction" = [0.7]\n"env.step_s" = [0.1, 0.2]\n'
 HEAD = 'obstacle = "low-entrance"\nhard = [55, 70]\nsolved = 0.5\n'
 
 
@@ -59,7 +59,7 @@ def test_a_stage_has_the_same_seed_in_every_cell_and_takes_its_own_cells_artefac
         "network": (first.stage("initiation/network-0"),),
         "curriculum": (first.stage("curriculum/network-0"),),
     }
-    interval = [stages[cell.stage("initiation/network-0")].config["env"]["decision_interval_s"]
+    interval = [stages[cell.stage("initiation/network-0")].config["env"]["step_s"]
                 for cell in regimes.cells]  # fmt: skip
     assert interval == [0.1, 0.2]
 

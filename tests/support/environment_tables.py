@@ -93,8 +93,8 @@ def stuck_table() -> str:
     for name, unit_m in (("m", 1.0), ("dm", 0.1), ("cm", 0.01)):
         config = EnvConfig(reward=RewardConfig(distance_unit_m=unit_m))
         reward = Reward(config)
-        decision = reward.distance(left_m, np.zeros(2)) + reward.time(np.zeros((2, 2)))
-        middle, forward = (-config.steps_per_episode * decision).tolist()
+        step = reward.distance(left_m, np.zeros(2)) + reward.time(np.zeros((2, 2)))
+        middle, forward = (-config.steps_per_episode * step).tolist()
         rows.append((name, *(f"{cost:.3f}" for cost in (middle, forward, middle - forward))))
     head = ("unit of D_z", "FBEM 0°", f"FBEM +{c.FBEM_MAX_DEG:g}°", "saved by the swing")
     return _table(head, rows)

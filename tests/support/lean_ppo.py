@@ -28,7 +28,7 @@ def lean_learner(config: LearnerConfig = CONFIG, env=None) -> ResumablePPO:
         rewards=config.normalise_rewards,
         discount=config.discount,
     )
-    rates = config.at_interval(PointEnv.decision_interval_s)
+    rates = config.at_interval(PointEnv.step_s)
     return ready(ResumablePPO.build(normaliser, config, rates, seed=5))
 
 

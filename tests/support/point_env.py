@@ -24,7 +24,7 @@ class PointEnv:
 
     task_parameters = ("distance_m",)
     feature_names = ("time_s", "position_m")
-    decision_interval_s = 0.05
+    step_s = 0.05
     render_mode = None
 
     def __init__(self, num_envs: int, *, autoreset: bool = True) -> None:

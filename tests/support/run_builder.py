@@ -12,10 +12,12 @@ from synthetic_trials import SyntheticFamily
 from surmount.core.configuration import override, to_record
 from surmount.core.records import record_hash, write_record
 from surmount.experiment.config import ExperimentConfig
+from surmount.experiment.evidence import weigh
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.presets import preset
 from surmount.experiment.stages import analyse
 from surmount.experiment.statistics import compare
+from surmount.experiment.task_part import task_part
 from surmount.learn.history import History
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.distribution import TaskDistribution
@@ -115,6 +117,17 @@ class RunBuilder:
             initiation="trials",
             **{arm: f"test-{arm}" for arm in ARMS},
             **{f"training:{arm}": arm for arm in ARMS},
+        )
+
+    def weigh(self) -> None:
+        self.run(
+            "evidence",
+            weigh,
+            task_part(self.config),
+            analysis="analysis",
+            statistics="statistics",
+            initiation="trials",
+            **{arm: f"test-{arm}" for arm in ARMS},
         )
 
     def curriculum(self) -> Curriculum:

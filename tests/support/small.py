@@ -19,7 +19,7 @@ SMALL = {
     "networks": 2,
     "initial_steps": 600,
     "checkpoint_steps": 300,
-    "env.decision_interval_s": 0.1,
+    "env.step_s": 0.1,
     "env.episode_s": 2.0,
     "learner.hidden_layers": [16, 16],
     "learner.rollout_steps": 32,
@@ -43,7 +43,10 @@ class Watcher:
     """Keeps what a run told."""
 
     def __init__(self):
-        self.started, self.sentences, self.lost = [], [], []
+        self.started, self.sentences, self.lost, self.outdated = [], [], [], []
+
+    def stage_outdated(self, stage, folders):
+        self.outdated.append(stage)
 
     def stage_reused(self, artefact):
         pass

@@ -1,7 +1,7 @@
 """What a simulation must never do, and how far it went towards it.
 
 Cheap looks take all simulations at once from what the batch copies out of every step, which
-describes the state one physics tick before its end (and nothing after a reset); close looks take
+describes the state one physics step before its end (and nothing after a reset); close looks take
 one simulation with all derived quantities computed.
 """
 

@@ -13,6 +13,10 @@ from surmount.workflow.runner import GraphRunner
 class Observer:
     def __init__(self):
         self.reused, self.started, self.finished, self.told, self.lost = [], [], [], [], []
+        self.outdated = []
+
+    def stage_outdated(self, stage, folders):
+        self.outdated.append(stage)
 
     def stage_reused(self, artefact):
         self.reused.append(artefact.stage)

@@ -23,6 +23,7 @@ class AnalysisConfig:
     ----------
     seed
         Seed of everything random in the analysis: starts of the fits, bootstrap, scatter samples.
+        In an experiment the root seed goes into it, too; the result says what came of both.
     features
         Features to use, by name; none named means all that the trials hold (the paper uses time,
         sprawl, FBEM and distance to the target, II-B).

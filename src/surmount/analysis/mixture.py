@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.configuration import from_record as config_from_record
-from surmount.core.errors import ConfigError, InputError
+from surmount.core.errors import InputError
+from surmount.core.reading import read_as
 
 _BLOCK_VALUES = 1 << 18
 """Values of the largest temporary array of a density call: 2 MiB, which stays in the cache."""
-
-_MALFORMED = (KeyError, TypeError, ValueError, AttributeError, OverflowError, ConfigError)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,21 +157,8 @@ class Mixture:
     def from_record(cls, record: Mapping[str, Any]) -> Mixture:
         """Build from the JSON form, with the checks of the constructor."""
         try:
-            fit = record.get("fit")
-            return cls(
-                weights=np.asarray(record["weights"], dtype=np.float64),
-                means=np.asarray(record["means"], dtype=np.float64),
-                covariances=np.asarray(record["covariances"], dtype=np.float64),
-                fit=None if fit is None else config_from_record(FitReport, fit),
-            )
-        except (
-            KeyError,
-            TypeError,
-            ValueError,
-            AttributeError,
-            OverflowError,
-            ConfigError,
-        ) as error:
+            return read_as(cls, record)
+        except ValueError as error:
             raise InputError(
                 f"A mixture record is incomplete or malformed ({error}).",
                 remedy="Use a file that Surmount wrote.",

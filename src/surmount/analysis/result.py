@@ -18,7 +18,7 @@ from surmount.analysis.features import FeatureMap
 from surmount.analysis.groups import Merge
 from surmount.analysis.mixture import Mixture
 from surmount.analysis.reference import DistanceCheck
-from surmount.analysis.result_reading import KIND, SCHEMA, read_fields
+from surmount.analysis.result_reading import KIND, SCHEMA, analysis_fields
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray, IntArray
@@ -158,7 +158,7 @@ class Analysis:
         InputError
             If the record is not an analysis of this schema, or is damaged.
         """
-        return cls(**read_fields(record, source))
+        return cls(**analysis_fields(cls, record, source))
 
     def save(self, path: Path | str) -> None:
         """Write the analysis as one JSON file, whole or not at all."""

@@ -26,7 +26,7 @@ def convert(
     """Turn a log with columns of its own names into trials for `surmount analyze`.
 
     Args:
-        log: CSV or Parquet file with one row per decision, for example written by a Unity agent.
+        log: CSV or Parquet file with one row per step, for example written by a Unity agent.
         out: Table of trials to write, .parquet or .csv.
         variant: Task parameter and its column, as height_mm=StepHeight; may be repeated.
         feature: Feature and its column, as time_s=Time; may be repeated.

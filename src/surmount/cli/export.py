@@ -12,6 +12,7 @@ from surmount.core.records import write_atomically
 from surmount.exports.formats import FORMATS, export_curriculum
 from surmount.exports.ml_agents import export_ml_agents
 from surmount.tasks.curriculum import Curriculum
+from surmount.workflow.opening import opened
 from surmount.workflow.store import output_errors
 
 NETWORK_FORMATS = {"onnx": "policy.onnx", "acting": "acting.safetensors"}
@@ -49,7 +50,7 @@ def export(
         )
     if to in NETWORK_FORMATS or file.suffix == ".safetensors":
         return _export_network(file, to, out)
-    curriculum = Curriculum.load(file)
+    curriculum = Curriculum.load(opened(file))
     if to == "ml-agents":
         made = export_ml_agents(curriculum, **options)
     else:
@@ -73,7 +74,7 @@ def _export_network(file: Path, to: str, out: Path) -> int:
             f"{file} is a network, and `{to}` takes curricula.",
             remedy=f"Give --to {' or '.join(NETWORK_FORMATS)}, or a curriculum.json.",
         )
-    network = Snapshot.load(file)
+    network = Snapshot.load(opened(file))
     path = out / NETWORK_FORMATS[to]
     with output_errors(out):
         out.mkdir(parents=True, exist_ok=True)

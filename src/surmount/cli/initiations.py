@@ -1,7 +1,8 @@
-"""``surmount initiations``: success after the initiation under many settings, against table 1."""
+"""``surmount initiations``: success after the initiation under many settings, and their scores."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,10 +20,11 @@ def initiations(
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
     workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
 ) -> int:
-    """Train initial networks under many settings and compare their success with table 1.
+    """Train initial networks under many settings and score them by the paper's success.
 
-    Writes initiations.json and a figure. Calling it again goes on where it stopped, and settings
-    may be added to the file meanwhile: what is finished is kept.
+    The score is that of docs/adr/0023: the logarithm of the probability that two more networks show
+    what the paper prints. Writes initiations.json and a figure. Calling it again goes on where it
+    stopped, and settings may be added to the file meanwhile: what is finished is kept.
 
     Args:
         settings: TOML file with a table [common] and one [settings.NAME] per setting.
@@ -56,13 +58,36 @@ def initiations(
         with output_errors(out):
             write_record(out / MAP, record)
             write_initiation_figure(record, out)
-    for name, setting in record["settings"].items():
-        distance = setting["distance"]
-        console.print(
-            f"{name}: " + ("incomplete" if distance is None else f"{distance:.3f} from table 1"),
-            highlight=False,
-        )
+    console.print(_table(record["settings"]))
     if outcome.interrupted:
         console.print("Stopped. Go on with the same command.")
         return INTERRUPTED
     return 0
+
+
+def _table(settings: dict[str, Any]) -> Any:
+    """Return the settings by score, best first; those that are out or have no score come last."""
+    from rich.table import Table
+
+    table = Table("setting", "obstacle", "networks", "success, by group", "score", "")
+    unscored = -math.inf
+    ranked = sorted(
+        settings.items(),
+        key=lambda named: (
+            named[1]["out"] is None,
+            unscored if named[1]["score"] is None else named[1]["score"],
+        ),
+        reverse=True,
+    )
+    for name, setting in ranked:
+        for obstacle, found in setting["obstacles"].items():
+            scored = found.get("score")
+            table.add_row(
+                name,
+                obstacle,
+                str(len(found["networks"])),
+                ", ".join(f"{group['mean']:.2f}" for group in found["groups"]),
+                "" if scored is None else f"{scored['log_likelihood']:.2f}",
+                "" if setting["out"] is None else f"out: {setting['out']}",
+            )
+    return table

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import InputError
+from surmount.workflow.opening import opened
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.run_layout import ANALYSIS, ANALYSIS_FILE, CURRICULUM_FILE, RUN
 
@@ -28,7 +29,7 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
     from surmount.core.records import read_record
     from surmount.tasks.curriculum import Curriculum
 
-    path = _resolve(file, why=why)
+    path = opened(_resolve(file, why=why))
     record = read_record(path)
     if record.get("kind") == KIND:
         analysis = Analysis.from_record(record, source=str(path))

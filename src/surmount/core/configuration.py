@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-import json
 import tomllib
 import types
 import typing
@@ -28,7 +27,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from surmount.core.errors import ConfigError
-from surmount.core.records import read_bytes
+from surmount.core.records import canonical_json, parse_json, read_bytes
 
 LARGEST_INTEGER = 2**63
 """Larger ones fit neither a float nor an array, and nobody means them."""
@@ -42,7 +41,7 @@ class Arguments(dict[str, Any]):
     """
 
     def __hash__(self) -> int:  # type: ignore[override] - configurations are frozen
-        return hash(json.dumps(self, sort_keys=True))
+        return hash(canonical_json(self))
 
 
 Config = TypeVar("Config")
@@ -141,7 +140,7 @@ def read_overrides(path: Path) -> dict[str, Any]:
             remedy="Give the path of a readable TOML or JSON text file.",
         ) from error
     try:
-        tree = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        tree = parse_json(text) if path.suffix == ".json" else tomllib.loads(text)
         flat = dict(_flatten(tree, prefix="")) if isinstance(tree, dict) else None
     except (ValueError, RecursionError) as error:
         raise ConfigError(
@@ -319,7 +318,7 @@ def _wrong_type(kind: object, value: object, key: str) -> ConfigError:
 
 def _parse(text: str) -> object:
     try:
-        return json.loads(text)
+        return parse_json(text)
     except (ValueError, RecursionError):
         return text
 

@@ -46,7 +46,7 @@ class TaskBatch:
         self.task_parameters = first.task_parameters
         self.task_axes = first.task_axes
         self.feature_names = first.feature_names
-        self.decision_interval_s = first.decision_s
+        self.step_s = first.step_s
         self.single_observation_space = first.observation_space
         self.single_action_space = first.action_space
         require_usual(first.observation_space, first.action_space)
@@ -78,7 +78,7 @@ class TaskBatch:
         return self._stacked(), self._told()
 
     def step(self, actions: Any) -> tuple[Any, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
-        """Take one decision in every environment whose episode is not over."""
+        """Take one step in every environment whose episode is not over."""
         rewards = np.zeros(self.num_envs)
         terminated = np.zeros(self.num_envs, dtype=np.bool_)
         truncated = np.zeros(self.num_envs, dtype=np.bool_)
@@ -102,7 +102,7 @@ class TaskBatch:
         return {f"env-{index}": env.state_dict() for index, env in enumerate(self.envs)}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go back to a saved state by taking the decisions of unfinished episodes again.
+        """Go back to a saved state by taking the steps of unfinished episodes again.
 
         An environment that does not come to where it was is warned of: it holds something that
         neither its seed nor its actions tell.
@@ -110,7 +110,7 @@ class TaskBatch:
         for index, env in enumerate(self.envs):
             if not env.load_state_dict(state[f"env-{index}"]):
                 warnings.warn(
-                    "An environment took the same decisions with the same seed and came elsewhere: "
+                    "An environment took the same steps with the same seed and came elsewhere: "
                     "training goes on, but not as it would have without interruption. Check it "
                     "with `surmount check`.",
                     stacklevel=2,

@@ -139,7 +139,7 @@ def _clauses(make_env: Callable[[], object], seed: int) -> Iterator[Finding]:
     yield Finding(
         clause="episodes run",
         holds=True,
-        sentence=f"{sum(episode.rewards.size for episode in episodes)} decisions, on "
+        sentence=f"{sum(episode.rewards.size for episode in episodes)} steps, on "
         f"{len({episode.variant.tobytes() for episode in episodes})} of {len(variants)} variants",
     )
     yield _ends(episodes)
@@ -220,10 +220,10 @@ def _ends(episodes: list[Episode]) -> Finding:
     return Finding(
         clause="episodes end",
         holds=ended,
-        sentence=f"the longest took {longest} decisions"
+        sentence=f"the longest took {longest} steps"
         if ended
-        else f"one had not ended after {longest} decisions",
-        remedy="Wrap the environment in gymnasium.wrappers.TimeLimit, with fewer decisions where "
+        else f"one had not ended after {longest} steps",
+        remedy="Wrap the environment in gymnasium.wrappers.TimeLimit, with fewer steps where "
         "it has one.",
     )
 
@@ -413,8 +413,8 @@ def _task_matters(env: TaskEnv, index: int, seed: int) -> Finding:
     common = min(len(first.observations), len(last.observations))
     apart = (first.observations[:common] != last.observations[:common]).any(axis=1)
     if apart.any():
-        decisions = int(np.argmax(apart))
-        what = f"observations differ {f'from decision {decisions} on' if decisions else 'at once'}"
+        steps = int(np.argmax(apart))
+        what = f"observations differ {f'from step {steps} on' if steps else 'at once'}"
     else:
         what = "rewards or the end differ"
     return Finding(

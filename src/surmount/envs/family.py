@@ -78,6 +78,22 @@ class TaskFamily(ABC):
         """
         del run, say
 
+    def claims(self, findings: Any) -> Sequence[Any]:
+        """Return the claims of a paper on this family, each with what a run says to it.
+
+        Parameters
+        ----------
+        findings
+            Analysis, comparison and outcomes, :class:`surmount.report.evidence.Findings`.
+
+        Returns
+        -------
+        Sequence
+            Of :class:`surmount.report.verdicts.Claim`.
+        """
+        del findings
+        return ()
+
     def page_sections(self, results: Any) -> Sequence[Any]:
         """Return sections that only this family's page has.
 

@@ -47,7 +47,7 @@ def make_task_env(make_env: Callable[[], object]) -> TaskEnv:
 
 
 def time_limit(env: TaskEnv) -> int:
-    """Return the decisions after which an episode is cut off.
+    """Return the steps after which an episode is cut off.
 
     The shortest ``gymnasium.wrappers.TimeLimit`` around the environment counts, else the
     ``max_episode_steps`` of its registration.

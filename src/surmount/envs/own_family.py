@@ -66,7 +66,7 @@ class OwnFamily(TaskFamily):
         del settings
         env = self.make()
         env.close()
-        return time_limit(env) * env.decision_s
+        return time_limit(env) * env.step_s
 
     def training_env(self, settings: Any, num_envs: int) -> TaskBatch:
         """Build environments that begin anew when an episode ends."""

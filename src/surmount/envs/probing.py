@@ -12,7 +12,7 @@ from surmount.envs.observations import numbers
 from surmount.envs.task_env import TaskEnv
 
 LONGEST_EPISODE = 20_000
-"""Decisions after which an episode counts as without end."""
+"""Steps after which an episode counts as without end."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,9 +23,9 @@ class Episode:
     ----------
     observations
         As the wrapped environment returned them, without an appended task, shape
-        ``(decision + 1, observation)``.
+        ``(step + 1, observation)``.
     rewards, features
-        Shapes ``(decision,)`` and ``(decision + 1, feature)``.
+        Shapes ``(step,)`` and ``(step + 1, feature)``.
     variant
         The task that the infos told.
     ended
@@ -56,7 +56,7 @@ def episode_of(
     """Run one episode of random actions on a task.
 
     The actions depend on ``action_seed`` alone, which is the episode's seed if not given. The
-    episode is left after ``longest`` decisions where it has not ended by then.
+    episode is left after ``longest`` steps where it has not ended by then.
     """
     playing = _playing(env, task, seed, longest, seed if action_seed is None else action_seed)
     episode: Episode | None = None

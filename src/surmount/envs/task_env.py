@@ -29,7 +29,7 @@ EPISODE_SEEDS = 2**31
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transition:
-    """What is known after a decision, or after a reset, to judge success and take features.
+    """What is known after a step, or after a reset, to judge success and take features.
 
     Attributes
     ----------
@@ -82,8 +82,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         there when an episode ends.
     features
         What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
-    decision_s
-        Seconds per decision; by default the innermost environment's ``dt``, else one over its
+    step_s
+        Seconds per step; by default the innermost environment's ``dt``, else one over its
         ``render_fps``, else 1.
     end_on_success
         Whether an episode ends when the goal is reached.
@@ -106,7 +106,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         set_task: SetTask | str,
         success: str | Callable[[Transition], bool],
         features: Mapping[str, Feature],
-        decision_s: float | None = None,
+        step_s: float | None = None,
         end_on_success: bool = False,
         observe_task: bool = False,
     ) -> None:
@@ -118,7 +118,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             )
         self.task_parameters = space.parameters
         self.feature_names = ("time_s", *features)
-        self.decision_s = _decision_s(env) if decision_s is None else float(decision_s)
+        self.step_s = _step_s(env) if step_s is None else float(step_s)
         self._set_task = set_task
         self._success = success
         self._features = dict(features)
@@ -193,7 +193,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         return self._begin(task, episode_seed, rest)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Take one decision; what is no longer finite ends the episode as diverged.
+        """Take one step; what is no longer finite ends the episode as diverged.
 
         Raises
         ------
@@ -233,7 +233,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> bool:
-        """Go back to a saved moment by taking the episode's decisions again.
+        """Go back to a saved moment by taking the episode's steps again.
 
         Returns
         -------
@@ -287,7 +287,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def _judged(self, transition: Transition, *, diverged: bool) -> dict[str, Any]:
         reached = not diverged and self._reached(transition)
-        values = [len(self._actions) * self.decision_s]
+        values = [len(self._actions) * self.step_s]
         for name, feature in self._features.items():
             if callable(feature):
                 values.append(float(feature(transition)))
@@ -344,7 +344,7 @@ def _kinds(axes: Axes) -> str:
     )
 
 
-def _decision_s(env: gymnasium.Env[Any, Any]) -> float:
+def _step_s(env: gymnasium.Env[Any, Any]) -> float:
     inner: Any = env.unwrapped
     if isinstance(getattr(inner, "dt", None), int | float):
         return float(inner.dt)

@@ -22,14 +22,14 @@ class TaskVectorEnv(Protocol):
 
     It resets an environment in the same step in which its episode ended
     (``AutoresetMode.SAME_STEP``) and puts ``variant``, ``is_success``, ``diverged`` and
-    ``features`` into its infos, one row per environment. A decision takes ``decision_interval_s``.
+    ``features`` into its infos, one row per environment. A step takes ``step_s``.
     One with axes that are not continuous has them as ``task_axes``, see :func:`task_axes`.
     """
 
     task_parameters: tuple[str, ...]
     feature_names: tuple[str, ...]
     num_envs: int
-    decision_interval_s: float
+    step_s: float
     render_mode: str | None
 
     @property
@@ -53,7 +53,7 @@ class TaskVectorEnv(Protocol):
         ...
 
     def step(self, actions: Any) -> tuple[Any, FloatArray, BoolArray, BoolArray, Infos]:
-        """Take one decision in every environment."""
+        """Take one step in every environment."""
         ...
 
     def state_dict(self) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from surmount.experiment import stages
+from surmount.experiment.evidence import weigh
 from surmount.experiment.statistics import compare
 from surmount.experiment.teacher_statistics import compare_teachers
 from surmount.workflow.graph import StageFunction, StageKind
@@ -25,10 +26,11 @@ def _known(name: str, function: StageFunction, was: str, version: int = 1) -> St
 INITIATION = _known("initiation", stages.initiate, "stages:initiate")
 TRIALS = _known("trials", stages.run_trials, "stages:run_trials", version=2)
 JOIN_TRIALS = _known("join-trials", stages.join_trials, "stages:join_trials")
-ANALYSIS = _known("analysis", stages.analyse, "stages:analyse", version=2)
+ANALYSIS = _known("analysis", stages.analyse, "stages:analyse", version=3)
 CURRICULUM = _known("curriculum", stages.learn_levels, "stages:learn_levels")
 CONTROL = _known("control", stages.learn_control, "stages:learn_control")
 STATISTICS = _known("statistics", compare, "statistics:compare", version=2)
+EVIDENCE = StageKind(name="evidence", function=weigh)
 TEACHER = _known("teacher", stages.learn_by_teacher, "teaching:learn_by_teacher")
 TEACHER_STATISTICS = _known(
     "teacher-statistics", compare_teachers, "teacher_statistics:compare_teachers"
@@ -45,6 +47,7 @@ KINDS: Mapping[str, StageKind] = MappingProxyType(
             CURRICULUM,
             CONTROL,
             STATISTICS,
+            EVIDENCE,
             TEACHER,
             TEACHER_STATISTICS,
         )

@@ -14,6 +14,7 @@ from surmount.experiment.config import ExperimentConfig, config_from_record
 from surmount.experiment.presets import preset
 from surmount.learn.snapshot import TRAINED_ON, Snapshot
 from surmount.workflow.earlier import up_to_date
+from surmount.workflow.opening import opened
 from surmount.workflow.run_folder import RunFolder, open_run
 from surmount.workflow.run_layout import RUN
 
@@ -28,13 +29,13 @@ def home(path: Path) -> tuple[RunFolder | None, str]:
     IntegrityError
         If the file was changed after the run wrote it.
     """
+    opened(path)
     folder = path.resolve().parent
     for root in folder.parents:
         if (root / RUN).is_file():
             run = open_run(root)
             for name, artefact in run.stages.items():
                 if artefact.folder.resolve() == folder and path.name in artefact.files:
-                    artefact.path(path.name)  # checked against its hash
                     return run, name
             return run, ""
     return None, ""

@@ -144,7 +144,7 @@ def film_network(
                 task=dict(env.space.named(env.task)),
                 frames=frames,
                 is_success=bool(info["is_success"]),
-                step_s=env.decision_s,
+                step_s=env.step_s,
             )
     finally:
         env.close()

@@ -1,7 +1,8 @@
 """The protocol of the paper as a graph (II, fig. 1).
 
 For every network: initiation → trials; all trials → analysis; then for every network: curriculum
-→ control of the same length, and tests of both; last the statistics over all of it.
+→ control of the same length, and tests of both; then the statistics over all of it, and last what
+they say to the paper's claims.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from surmount.workflow.graph import Stage, StageKind
 from surmount.workflow.run_layout import (
     ANALYSIS,
     ARMS,
+    EVIDENCE,
     INITIATION,
     STATISTICS,
     TRAININGS,
@@ -82,6 +84,15 @@ def _stages(config: ExperimentConfig) -> Iterator[Stage]:
             )
             for arm in ARMS
         },
+    )
+    yield _stage(
+        config,
+        EVIDENCE,
+        kinds.EVIDENCE,
+        task_part(config),
+        analysis=(ANALYSIS,),
+        statistics=(STATISTICS,),
+        **{training: _all_trials(training, config) for training in TRAININGS},
     )
 
 

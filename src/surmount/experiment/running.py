@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from surmount.core.configuration import differences, to_record
-from surmount.core.errors import OutputError
-from surmount.core.records import read_record, write_record
+from surmount.core.errors import InputError, OutputError
+from surmount.core.records import sealed, write_record
 from surmount.experiment.config import ExperimentConfig, config_from_record
 from surmount.workflow.earlier import up_to_date
 from surmount.workflow.graph import Stage
 from surmount.workflow.provenance import provenance
 from surmount.workflow.run_folder import open_run
-from surmount.workflow.run_layout import RUN, SCHEMA
+from surmount.workflow.run_layout import RUN, SCHEMA, has_lost_its_record, read_run
 from surmount.workflow.store import output_errors
 
 GraphOf = Callable[[ExperimentConfig], list[Stage]]
@@ -29,13 +29,21 @@ def load_config(root: Path) -> ExperimentConfig:
     ------
     OutputError
         If there is no experiment in the folder.
+    IntegrityError
+        If its record was changed or damaged.
     """
     if not (root / RUN).is_file():
         raise OutputError(
             f"There is no experiment in {root}.",
             remedy="Give the --out folder of a run, or begin one without --resume.",
         )
-    return config_from_record(up_to_date(read_record(root / RUN)["config"]))
+    config = read_run(root).get("config")
+    if not isinstance(config, dict):
+        raise InputError(
+            f"{root / RUN} holds no configuration of a run.",
+            remedy="Give the --out folder of a run.",
+        )
+    return config_from_record(up_to_date(cast("dict[str, Any]", config)))
 
 
 def begin(root: Path, config: ExperimentConfig, amended: GraphOf | None = None) -> None:
@@ -64,12 +72,13 @@ def begin(root: Path, config: ExperimentConfig, amended: GraphOf | None = None) 
                 "config": to_record(config),
                 **provenance(),
             }
-            write_record(root / RUN, record)
+            write_record(root / RUN, sealed(record))
         elif changes:
-            record = read_record(root / RUN)
+            record = read_run(root)
             told = {key: list(values) for key, values in changes.items()}
-            record["amended"] = [*record.get("amended", []), told]
-            write_record(root / RUN, record | {"config": to_record(config)})
+            amended_before = cast("list[Any]", record.get("amended", []))
+            record = record | {"config": to_record(config), "amended": [*amended_before, told]}
+            write_record(root / RUN, sealed(record))
 
 
 def refuse_other(
@@ -92,12 +101,16 @@ def refuse_other(
     with output_errors(root):
         if (root / RUN).exists():
             return _changes(root, config, amended)
-        if root.exists() and any(not path.name.startswith(".") for path in root.iterdir()):
+        if root.exists() and not (_is_empty(root) or has_lost_its_record(root)):
             raise OutputError(
                 f"{root} holds files that are not of an experiment.",
                 remedy="Choose an --out folder that is empty or does not exist.",
             )
     return {}
+
+
+def _is_empty(root: Path) -> bool:
+    return all(path.name.startswith(".") for path in root.iterdir())
 
 
 def _changes(

@@ -11,6 +11,8 @@ stage                  files
 ``curriculum``         as ``initiation``, without experience
 ``control``            as ``curriculum``
 ``teach/…``            as ``curriculum``
+``statistics``         ``statistics.json``
+``evidence``           ``evidence.json``
 ``test-…``, ``shard/…`` ``trials.parquet``
 =====================  ====================================================================
 """
@@ -26,6 +28,7 @@ from surmount.analysis.determination import determine_curriculum
 from surmount.analysis.result import Analysis
 from surmount.core.configuration import from_record
 from surmount.core.records import read_record, write_record
+from surmount.core.seeds import derive_seed
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.task_part import family_and_settings
 from surmount.learn.choice import make_actor
@@ -106,6 +109,8 @@ def join_trials(context: StageContext) -> None:
 def analyse(context: StageContext) -> None:
     """Determine the curriculum from the trials of all networks (II-B)."""
     config = from_record(AnalysisConfig, context.config["analysis"])
+    # From the root seed, so that two experiments do not share what is drawn in the analysis.
+    config = replace(config, seed=derive_seed(context.seed, config.seed))
     analysis = determine_curriculum(pooled_trials(context.inputs["trials"]), config)
     write_record(context.output / ANALYSIS_FILE, analysis.to_record())
     analysis.curriculum.save(context.output / CURRICULUM_FILE)

@@ -11,6 +11,7 @@ from surmount.core.records import write_record
 from surmount.experiment.learning_speed import steps_to_95
 from surmount.experiment.stages import pooled_trials
 from surmount.learn.training_episodes import read_episodes
+from surmount.report.outcomes import PATHS
 from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.differences import network_difference
 from surmount.stats.evidence import (
@@ -28,8 +29,6 @@ from surmount.workflow.graph import StageContext
 from surmount.workflow.run_layout import ARMS, CURRICULUM_FILE, INITIATION, SCHEMA, STATISTICS_FILE
 
 TIME = "time_s"
-PATHS = ("sprawl_deg", "fbem_deg")
-"""Features whose path lengths the paper compares (III-D)."""
 
 Record = dict[str, Any]
 

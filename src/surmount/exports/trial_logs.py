@@ -1,6 +1,6 @@
 """Trials from logs of other frameworks: CSV files with columns of their own names.
 
-ML-Agents itself logs no behaviour within an episode; a few lines of C# write one row per decision
+ML-Agents itself logs no behaviour within an episode; a few lines of C# write one row per step
 (docs/exports.md). Columns are mapped to the table of trials, and an outcome that stands on the last
 row of a trial, or on one of them, is spread over all.
 """

@@ -1,4 +1,4 @@
-"""Generalised advantages over trajectories that are cut after a number of decisions."""
+"""Generalised advantages over trajectories that are cut after a number of steps."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from surmount.core.arrays import BoolArray, FloatArray
 
 
 def last_before_cut(starts: BoolArray, horizon: int) -> BoolArray:
-    """Return the decisions after which a trajectory is cut, ``(step, env)``.
+    """Return the steps after which a trajectory is cut, ``(step, env)``.
 
     Parameters
     ----------
     starts
-        Whether an episode begins with a decision, ``(step, env)``.
+        Whether an episode begins with a step, ``(step, env)``.
     horizon
-        Decisions of a trajectory, counted from the first step and from each beginning.
+        Steps of a trajectory, counted from the first step and from each beginning.
     """
     steps = np.arange(len(starts))[:, None]
     began = np.maximum.accumulate(np.where(starts, steps, 0), axis=0)
@@ -35,19 +35,19 @@ def cut_advantages(
 ) -> FloatArray:
     """Return generalised advantages (Schulman et al. 2016), summed up to each cut.
 
-    The decision before a cut is credited with its reward and the value of what comes next, the
+    The step before a cut is credited with its reward and the value of what comes next, the
     ones before it with what they lead to up to there, as ML-Agents' ``time_horizon`` does.
 
     Parameters
     ----------
     rewards, values, starts
-        Of each decision, ``(step, env)``.
+        Of each step, ``(step, env)``.
     last_values, dones
         Value of what follows the last step, and whether its episode ended, ``(env,)``.
     discount, gae_lambda
-        γ and λ per decision.
+        γ and λ per step.
     horizon
-        Decisions of a trajectory.
+        Steps of a trajectory.
     """
     goes_on = 1.0 - np.concatenate([starts[1:], dones[None]]).astype(values.dtype)
     next_values = np.concatenate([values[1:], last_values[None]])

@@ -31,7 +31,7 @@ def make_learner(env: Recorder, config: LearnerConfig, *, seed: int) -> Learner:
     ):
         return OwnLearner(env, config, seed=seed)
     chosen = (
-        StableConfig.like_own(config, env.env.decision_interval_s, env.observation_space)
+        StableConfig.like_own(config, env.env.step_s, env.observation_space)
         if config.algorithm == AUTO
         else StableConfig.named(config)
     )

@@ -44,8 +44,8 @@ OF_ALL = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class PerDecision:
-    """What a learner's times in seconds are worth from one decision to the next.
+class PerStep:
+    """What a learner's times in seconds are worth from one step to the next.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class PerDecision:
     gae_lambda
         λ of generalised advantage estimation.
     noise_correlation
-        Correlation of the exploration noise of successive decisions, 0 for white noise.
+        Correlation of the exploration noise of successive steps, 0 for white noise.
     """
 
     discount: float
@@ -124,7 +124,7 @@ class LearnerConfig:
     learnt with it draw it too."""
 
     rollout_steps: int = 1024
-    """Decisions per environment between updates: 9 · 1,024 = 9,216, the multiple of the batch next
+    """Steps per environment between updates: 9 · 1,024 = 9,216, the multiple of the batch next
     to ML-Agents' buffer of 10,240 that nine environments can fill."""
 
     batch_size: int = 1024
@@ -134,7 +134,7 @@ class LearnerConfig:
     """Passes over each roll-out (ML-Agents default)."""
 
     time_horizon: int | None = field(default=None, metadata=absent(None))
-    """Decisions after which a trajectory is cut for the estimation of advantages, which then lean
+    """Steps after which a trajectory is cut for the estimation of advantages, which then lean
     on the critic's value, counted from the beginning of each episode and roll-out. ``None`` cuts at
     the roll-out's end only (Stable-Baselines3); ML-Agents cuts after 64 (`settings.py`)."""
 
@@ -151,19 +151,19 @@ class LearnerConfig:
     length of a curriculum is not known beforehand, so a decay has no end to aim at (assumed)."""
 
     discount: float = 0.99
-    """γ per decision (ML-Agents default). Without meaning where `discount_time_s` is given."""
+    """γ per step (ML-Agents default). Without meaning where `discount_time_s` is given."""
 
     discount_time_s: float | None = field(default=None, metadata=absent(None))
-    """Time in s after which a reward is worth 1/e: γ = exp(−decision interval / this), the same
-    horizon at every decision interval. ``None`` takes γ per decision."""
+    """Time in s after which a reward is worth 1/e: γ = exp(−`step_s` / this), the same
+    horizon whatever a step lasts. ``None`` takes γ per step."""
 
     gae_lambda: float = 0.95
-    """λ of generalised advantage estimation per decision (ML-Agents default). Without meaning where
+    """λ of generalised advantage estimation per step (ML-Agents default). Without meaning where
     `gae_time_s` is given."""
 
     gae_time_s: float | None = field(default=None, metadata=absent(None))
     """Time in s after which an advantage leans on the critic for all but 1/e:
-    λ = exp(−decision interval / this). ``None`` takes λ per decision."""
+    λ = exp(−`step_s` / this). ``None`` takes λ per step."""
 
     clip_range: float = 0.2
     """PPO's clipping of the probability ratio (ML-Agents default)."""
@@ -266,26 +266,26 @@ class LearnerConfig:
         """Learning steps between two updates, over all environments."""
         return self.num_envs * self.rollout_steps
 
-    def at_interval(self, decision_interval_s: float) -> PerDecision:
-        """Return what the times in seconds are worth per decision.
+    def at_interval(self, step_s: float) -> PerStep:
+        """Return what the times in seconds are worth per step.
 
         Raises
         ------
         ConfigError
-            If a time is given and the environment does not say how long a decision takes.
+            If a time is given and the environment does not say how long a step takes.
         """
         times = (self.discount_time_s, self.gae_time_s, self.noise_correlation_s or None)
-        if any(times) and not 0 < decision_interval_s < math.inf:
+        if any(times) and not 0 < step_s < math.inf:
             raise ConfigError(
-                f"A decision of the environment takes {decision_interval_s} s, and the learner has "
+                f"A step of the environment takes {step_s} s, and the learner has "
                 "times in seconds.",
-                remedy="Give the environment its `decision_s`, or the learner `learner.discount` "
+                remedy="Give the environment its `step_s`, or the learner `learner.discount` "
                 "and `learner.gae_lambda`, and no correlation of its noise.",
             )
         discount, gae_lambda, correlation = (
-            None if time_s is None else math.exp(-decision_interval_s / time_s) for time_s in times
+            None if time_s is None else math.exp(-step_s / time_s) for time_s in times
         )
-        return PerDecision(
+        return PerStep(
             discount=self.discount if discount is None else discount,
             gae_lambda=self.gae_lambda if gae_lambda is None else gae_lambda,
             noise_correlation=correlation or 0.0,

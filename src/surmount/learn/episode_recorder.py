@@ -59,14 +59,14 @@ class EpisodeRecorder:
         self._length[:] = 0
 
     def add(self, rewards: np.ndarray) -> None:
-        """Take the unnormalised rewards of one decision in every environment, ``(env,)``."""
+        """Take the unnormalised rewards of one step in every environment, ``(env,)``."""
         self.steps += self._reward.size
         self._rewards.append(np.array(rewards, dtype=np.float64))
         self._reward += rewards
         self._length += 1
 
     def end(self, env: int, *, variant: Any, success: bool, diverged: bool) -> dict[str, Any]:
-        """End an episode with the decision last added, and return it as a row of `Episodes`.
+        """End an episode with the step last added, and return it as a row of `Episodes`.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class EpisodeRecorder:
         Parameters
         ----------
         advantages
-            Of all decisions since then, ``(step, env)``, where the learner has them.
+            Of all steps since then, ``(step, env)``, where the learner has them.
         """
         outcome = RolloutOutcome(
             rewards=np.concatenate(self._rewards) if self._rewards else np.empty(0),

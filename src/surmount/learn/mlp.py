@@ -1,6 +1,6 @@
 """The networks of a Stable-Baselines3 policy as plain matrix products.
 
-Calling the policy builds a distribution and walks through a tree of modules for every decision,
+Calling the policy builds a distribution and walks through a tree of modules for every step,
 which takes several times as long as the products themselves when only nine rows go in.
 """
 

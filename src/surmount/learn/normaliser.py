@@ -1,4 +1,4 @@
-"""Stable-Baselines3's running normalisation at a fraction of its cost per decision.
+"""Stable-Baselines3's running normalisation at a fraction of its cost per step.
 
 The statistics, their names and the clipping are those of ``VecNormalize``; the numbers agree to
 rounding. Only the way to them is shorter: no copies, and moments by plain sums.

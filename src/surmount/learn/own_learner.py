@@ -58,7 +58,7 @@ class OwnLearner:
                 f"{env.observation_space}, actions {env.action_space}.",
                 remedy='Leave `learner.algorithm` at "auto", or name one such as "PPO".',
             )
-        rates = config.at_interval(env.env.decision_interval_s)
+        rates = config.at_interval(env.env.step_s)
         self._env = env
         self._config = config
         self._seed = seed
@@ -129,7 +129,7 @@ class OwnLearner:
         if config.noise_correlation_s:
             record[snapshot.NOISE] = {
                 "correlation_s": config.noise_correlation_s,
-                "decision_interval_s": self._env.env.decision_interval_s,
+                "step_s": self._env.env.step_s,
             }
         return record
 

@@ -16,7 +16,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import explained_variance, update_learning_rate
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from surmount.learn.config import LearnerConfig, PerDecision
+from surmount.learn.config import LearnerConfig, PerStep
 from surmount.learn.decay import Decayed
 from surmount.learn.faults import is_sound_update
 from surmount.learn.initialisation import initialise
@@ -51,7 +51,7 @@ class ResumablePPO(PPO):
     Collecting and updating do what Stable-Baselines3's methods do, drawing the same random
     numbers, and agree with them to rounding, unless the configuration asks for what
     Stable-Baselines3 does not have. They leave out what costs time at nine rows: a tree of modules
-    and distribution objects for every decision. What they do not know (policies other than
+    and distribution objects for every step. What they do not know (policies other than
     :class:`ActorCritic`'s, learners not made by :meth:`build`) goes Stable-Baselines3's own way.
 
     Attributes
@@ -69,7 +69,7 @@ class ResumablePPO(PPO):
 
     @classmethod
     def build(
-        cls, env: VecNormalize, config: LearnerConfig, rates: PerDecision, seed: int
+        cls, env: VecNormalize, config: LearnerConfig, rates: PerStep, seed: int
     ) -> ResumablePPO:
         """Return a new learner; the seed also sets the global generators it draws from.
 
@@ -80,7 +80,7 @@ class ResumablePPO(PPO):
         config
             Hyper-parameters.
         rates
-            Those in seconds, at the environments' decision interval.
+            Those in seconds, at the environments' step.
         seed
             Of weights, exploration, order of batches and environments.
         """
@@ -130,7 +130,7 @@ class ResumablePPO(PPO):
         """Fill the buffer with what the present policy does.
 
         Callbacks find in their locals what they find with Stable-Baselines3, except values and
-        densities: these are computed for all decisions at once, at the end.
+        densities: these are computed for all steps at once, at the end.
 
         Returns
         -------

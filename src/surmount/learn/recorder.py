@@ -45,7 +45,7 @@ class Recorder(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[VecEnvObs, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Take one decision in every environment and record what came of it."""
+        """Take one step in every environment and record what came of it."""
         observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
         done = terminated | truncated
         self._record.add(rewards)

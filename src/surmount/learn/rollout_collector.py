@@ -1,4 +1,4 @@
-"""A roll-out under way: decisions by the present policy, and what came of them."""
+"""A roll-out under way: steps by the present policy, and what came of them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RolloutCollector:
     """Fills a roll-out buffer of Stable-Baselines3.
 
     Weights do not change while a roll-out is collected. So only the actor is asked at every
-    decision; what needs the critic, and the densities of the actions, wait until :meth:`finish`,
+    step; what needs the critic, and the densities of the actions, wait until :meth:`finish`,
     where thousands of rows share each matrix product.
 
     Parameters

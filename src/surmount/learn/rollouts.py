@@ -49,7 +49,7 @@ class Actor:
     Attributes
     ----------
     noise_correlation
-        Correlation from decision to decision of the noise that the network learnt with.
+        Correlation from step to step of the noise that the network learnt with.
     """
 
     def __init__(
@@ -160,7 +160,7 @@ def roll_out(
     seed
         Seed of environments and actions.
     monitor
-        Shown the number of trials ended and of decisions taken.
+        Shown the number of trials ended and of steps taken.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def roll_out(
     success = np.zeros(trials, dtype=np.bool_)
     rows: list[FloatArray] = [infos["features"].copy()]
     owners: list[IntArray] = [np.arange(trials)]
-    decisions = 0
+    steps = 0
     while active.any():
         if monitor.should_stop():
             raise Interrupted
@@ -192,9 +192,9 @@ def roll_out(
         done: BoolArray = active & (terminated | truncated)
         success[done] = infos["is_success"][done]
         active &= ~done
-        decisions += owner.size
+        steps += owner.size
         label = f"{trials - int(active.sum())} of {trials} trials ended"
-        monitor.progress(Progress(label=label, done=decisions, planned=None, unit="decisions"))
+        monitor.progress(Progress(label=label, done=steps, planned=None, unit="steps"))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return Trials(

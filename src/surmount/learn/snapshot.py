@@ -33,7 +33,7 @@ ACTION_DIVISOR = "action_divisor"
 """Key of a network's record: what draws are divided by before clipping; 1 where it is missing."""
 NOISE = "exploration_noise"
 """Key of a network's record: how its exploration noise is correlated over time; not at all where it
-is missing. Holds ``correlation_s`` and the ``decision_interval_s`` at which it learnt."""
+is missing. Holds ``correlation_s`` and the ``step_s`` at which it learnt."""
 _ACTING = ("policy/", "normaliser/observation/")
 _JUDGING = ("policy/value_net.", "policy/mlp_extractor.value_net.")
 
@@ -156,7 +156,7 @@ def action_divisor(network: Snapshot) -> float:
 
 
 def noise_correlation(network: Snapshot) -> float:
-    """Return the correlation of the network's exploration noise from decision to decision.
+    """Return the correlation of the network's exploration noise from step to step.
 
     Raises
     ------
@@ -167,7 +167,9 @@ def noise_correlation(network: Snapshot) -> float:
     if noise is None:
         return 0.0
     try:
-        time_s, interval_s = noise["correlation_s"], noise["decision_interval_s"]
+        time_s = noise["correlation_s"]
+        # Called the interval between decisions by the first networks with such noise.
+        interval_s = noise["step_s"] if "step_s" in noise else noise["decision_interval_s"]
     except (KeyError, TypeError):
         raise _wrong_record(NOISE, noise) from None
     if not (_is_positive(time_s) and _is_positive(interval_s)):

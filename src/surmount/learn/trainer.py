@@ -219,7 +219,7 @@ class Trainer:
             raise LearningError(
                 f"Every episode of the last {MOST_IN_A_ROW} roll-outs ended because the physics "
                 f"diverged, last at {self._recorder.steps:,} steps.",
-                remedy="Shorten the physics' tick, `env.robot.physics_tick_s`.",
+                remedy="Shorten the physics step, `env.robot.physics_step_s`.",
             )
 
     def _push_distribution(self) -> None:

@@ -21,7 +21,7 @@ ROLLOUT_ADVANTAGE_EPSILON = 1e-10
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Batch:
-    """Decisions to learn from, one row each.
+    """Steps to learn from, one row each.
 
     Attributes
     ----------

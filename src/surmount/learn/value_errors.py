@@ -31,7 +31,7 @@ class EpisodeErrors:
         advantages
             Shape ``(step, env)``.
         ends
-            Step and environment of each episode's last decision, in the order in which they ended.
+            Step and environment of each episode's last step, in the order in which they ended.
 
         Returns
         -------

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, cast
 
-import numpy as np
-
+from surmount.core.reading import read_as
 from surmount.stats.differences import NetworkDifference
 from surmount.stats.evidence import SeedInterval
 from surmount.stats.logrank import LogRank
@@ -16,7 +14,6 @@ from surmount.stats.proportions import ProportionTest
 from surmount.stats.survival import KaplanMeier
 from surmount.stats.thresholds import StepsToThreshold
 from surmount.workflow.run_folder import Record
-from surmount.workflow.run_layout import ARMS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,11 +30,10 @@ class Success:
 
 
 @dataclass(frozen=True, kw_only=True)
-class VariantSuccess:
+class VariantSuccess(Success):
     """Success on one variant with Wilson's interval."""
 
     variant: tuple[float, ...]
-    success: Success
     lower: float
     upper: float
 
@@ -84,10 +80,10 @@ class PathComparison:
     """
 
     contrasts: tuple[MethodContrast, ...]
-    interaction: Interaction | None
-    degrees_of_freedom_rule: str
-    singular_note: str | None
-    reason: str | None
+    interaction: Interaction | None = None
+    degrees_of_freedom_rule: str = ""
+    singular_note: str | None = None
+    reason: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -126,75 +122,13 @@ class Comparison:
 
 
 def comparison_of(record: Record) -> Comparison:
-    """Build from the JSON form; a ``KeyError`` or ``TypeError`` tells of another version."""
-    networks = record["networks"]
-    return Comparison(
-        cap_s=float(record["cap_s"]),
-        by_variant={
-            kind: tuple(
-                VariantSuccess(
-                    variant=tuple(row["variant"]),
-                    success=_success(row),
-                    lower=float(row["lower"]),
-                    upper=float(row["upper"]),
-                )
-                for row in rows
-            )
-            for kind, rows in record["success_by_variant"].items()
+    """Build from the JSON form; a ``ValueError`` or ``KeyError`` tells of another version."""
+    return read_as(
+        Comparison,
+        {
+            **record,
+            **record["networks"],
+            "by_variant": record["success_by_variant"],
+            "groups": record["groups_compared"],
         },
-        groups=tuple(_group(entry) for entry in record["groups_compared"]),
-        path_lengths={path: _paths(model) for path, model in record["path_lengths"].items()},
-        interquartile_mean={
-            arm: SeedInterval(**networks["interquartile_mean"][arm]) for arm in ARMS
-        },
-        mean_difference=NetworkDifference(**networks["mean_difference"]),
-        difference=SeedInterval(**networks["difference"]),
-        probability_of_improvement=SeedInterval(**networks["probability_of_improvement"]),
-        steps_to_95={
-            arm: tuple(StepsToThreshold(**found) for found in record["steps_to_95"][arm])
-            for arm in ARMS
-        },
-    )
-
-
-def _success(record: Record) -> Success:
-    return Success(successes=int(record["successes"]), trials=int(record["trials"]))
-
-
-def _group(record: Record) -> GroupComparison:
-    return GroupComparison(
-        group=str(record["group"]),
-        arms={arm: _success(record["arms"][arm]) for arm in ARMS},
-        proportion_test=ProportionTest(**record["proportion_test"]),
-        survival={arm: _curve(record["survival"][arm]) for arm in ARMS},
-        log_rank=LogRank(**record["log_rank"]),
-    )
-
-
-def _curve(record: Record) -> KaplanMeier:
-    arrays: dict[str, Any] = {
-        name: np.asarray(record[name], dtype=kind)
-        for name, kind in (
-            ("time", np.float64),
-            ("survival", np.float64),
-            ("at_risk", np.int64),
-            ("events", np.int64),
-            ("censored", np.int64),
-        )
-    }
-    return KaplanMeier(**(record | arrays))
-
-
-def _paths(record: Record) -> PathComparison:
-    interaction = record.get("interaction")
-    note = record.get("singular_note")
-    reason = record.get("reason")
-    return PathComparison(
-        contrasts=tuple(
-            MethodContrast(**contrast) for contrast in cast(list[Record], record["contrasts"])
-        ),
-        interaction=None if interaction is None else Interaction(**interaction),
-        degrees_of_freedom_rule=str(record.get("degrees_of_freedom_rule", "")),
-        singular_note=None if note is None else str(note),
-        reason=None if reason is None else str(reason),
     )

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from surmount.core.errors import ConfigError
-from surmount.envs.family import TaskFamily
-from surmount.envs.registry import find_family
 from surmount.report.document.parts import Document, Section
+from surmount.report.evidence import family_of
 from surmount.report.results import RunResults
 from surmount.report.sections.evidence import evidence_section
 from surmount.report.sections.film import film_section
@@ -14,31 +12,17 @@ from surmount.report.sections.learning import learning_section
 from surmount.report.sections.provenance import provenance_section
 from surmount.report.sections.summary import facts, notices, one_group_notice, summary
 from surmount.report.sections.testing import testing_section
-from surmount.workflow.run_folder import RunFolder
-
-
-def family_of(folder: RunFolder) -> TaskFamily | None:
-    """Return the registered family that a run is on; ``None`` for one's own environment.
-
-    Its module is not imported for a page, nor need it be at hand.
-    """
-    if ":" in folder.task:
-        return None
-    try:
-        return find_family(folder.task)
-    except ConfigError:  # of a package that is not installed here
-        return None
 
 
 def document_of(results: RunResults) -> Document:
     """Lay out the page of a run."""
     folder, comparison = results.folder, results.comparison
-    family = family_of(folder)
+    family = family_of(folder.task)
     sections: list[Section | None] = [
         grouping_section(results.analysis),
         learning_section(results),
         testing_section(results.analysis, comparison, results.tests),
-        evidence_section(results.analysis, comparison, results.tests),
+        evidence_section(results.analysis, comparison, results.evidence),
         film_section(results.films),
         *([] if family is None else family.page_sections(results)),
         provenance_section(folder),

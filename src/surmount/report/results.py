@@ -6,40 +6,38 @@ from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 import polars as pl
 
 from surmount.analysis.result import Analysis
-from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.errors import InputError
+from surmount.core.reading import read_as
 from surmount.learn.training_episodes import TrainingEpisodes, read_episodes
 from surmount.report.comparison import Comparison, comparison_of
-from surmount.report.sections.film import FilmedTrial, read_films
+from surmount.report.evidence import Evidence, Findings, family_of
+from surmount.report.films import FilmedTrial, read_films
+from surmount.report.outcomes import Outcomes, read_outcomes
 from surmount.tasks.curriculum import Curriculum
 from surmount.teachers.teacher import LevelTest
-from surmount.trials.table import read_trials
-from surmount.trials.trials import Trials, success_rates
 from surmount.workflow.run_folder import RunFolder, open_run
 from surmount.workflow.run_layout import (
     ANALYSIS,
     ANALYSIS_FILE,
     CURRICULUM_FILE,
     EPISODES_FILE,
+    EVIDENCE,
+    EVIDENCE_FILE,
     HISTORY_FILE,
     STATISTICS,
     STATISTICS_FILE,
     TRAINING_FILE,
     TRAININGS,
     TRIALS,
-    TRIALS_FILE,
     read_run_record,
 )
 from surmount.workflow.store import Artefact
-
-PATHS = ("sprawl_deg", "fbem_deg")
-"""Features whose path lengths the paper compares (III-D)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,34 +78,6 @@ class TrainingResult:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Outcomes:
-    """What the trials of all networks after one stage of learning came to.
-
-    Attributes
-    ----------
-    parameters
-        Names of the task parameters.
-    variant
-        Shape ``(trial, parameter)``.
-    network, repetition, success
-        Shape ``(trial,)`` each.
-    path_lengths
-        Σ|Δ| of each feature of :data:`PATHS` that was logged, ``(trial,)``.
-    """
-
-    parameters: tuple[str, ...]
-    variant: FloatArray
-    network: IntArray
-    repetition: IntArray
-    success: BoolArray
-    path_lengths: Mapping[str, FloatArray]
-
-    def scores(self) -> FloatArray:
-        """Return each network's success rate on each variant, shape ``(network, variant)``."""
-        return success_rates(self.variant, self.network, self.success)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class RunResults:
     """Everything the page shows; what the run has not finished is absent.
 
@@ -125,6 +95,8 @@ class RunResults:
         By what had been trained.
     films
         Trials on film.
+    evidence
+        What is concluded from all of it.
     """
 
     folder: RunFolder
@@ -133,6 +105,7 @@ class RunResults:
     trainings: Mapping[str, Mapping[int, TrainingResult]]
     tests: Mapping[str, Outcomes]
     films: tuple[FilmedTrial, ...]
+    evidence: Evidence
 
 
 def read_run(root: Path) -> RunResults:
@@ -155,6 +128,12 @@ def read_run(root: Path) -> RunResults:
         record = read_run_record(path)
         with reading(path):
             comparison = comparison_of(record)
+    tests = {
+        kind: read_outcomes(artefacts.values())
+        for kind, stage in TRIALS.items()
+        if (artefacts := folder.numbered(stage))
+    }
+    findings = Findings(analysis=analysis, comparison=comparison, tests=tests)
     return RunResults(
         folder=folder,
         analysis=analysis,
@@ -166,12 +145,9 @@ def read_run(root: Path) -> RunResults:
             }
             for kind in TRAININGS
         },
-        tests={
-            kind: _tests(artefacts)
-            for kind, stage in TRIALS.items()
-            if (artefacts := folder.numbered(stage))
-        },
+        tests=tests,
         films=read_films(folder),
+        evidence=_evidence(folder, findings),
     )
 
 
@@ -185,6 +161,16 @@ def reading(path: Path) -> Generator[None]:
             f"{path} does not have the form this version reads ({type(error).__name__}: {error}).",
             remedy="Use the version of Surmount that wrote it, or run the experiment again.",
         ) from error
+
+
+def _evidence(folder: RunFolder, findings: Findings) -> Evidence:
+    """Return the evidence that a run keeps, or draw it from what an unfinished one has."""
+    if EVIDENCE not in folder.stages:
+        return Evidence.of(family_of(folder.task), findings)
+    path = folder.stages[EVIDENCE].path(EVIDENCE_FILE)
+    record = read_run_record(path)
+    with reading(path):
+        return read_as(Evidence, record)
 
 
 def _require_same_curriculum(analysis: Analysis, artefact: Artefact) -> None:
@@ -215,9 +201,7 @@ def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
             total_steps=int(record["steps"]),
             episodes=int(record["episodes"]),
             diverged_episodes=int(record["diverged_episodes"]),
-            level_tests=tuple(
-                LevelTest(**cast(dict[str, Any], test)) for test in record["level_tests"]
-            ),
+            level_tests=read_as(tuple[LevelTest, ...], record["level_tests"]),
             record=_episodes(artefact, analysis) if record["level_tests"] else None,
             **{name: int(count) for name, count in record.get("faults", {}).items()},
         )
@@ -228,31 +212,3 @@ def _episodes(artefact: Artefact, analysis: Analysis | None) -> TrainingEpisodes
         return None
     with reading(artefact.path(EPISODES_FILE)):
         return read_episodes(artefact, analysis.parameters)
-
-
-def _tests(artefacts: Mapping[int, Artefact]) -> Outcomes:
-    parts = [_outcomes(read_trials(artefact.path(TRIALS_FILE))) for artefact in artefacts.values()]
-    paths = [name for name in PATHS if all(name in part.path_lengths for part in parts)]
-    return Outcomes(
-        parameters=parts[0].parameters,
-        variant=np.concatenate([part.variant for part in parts]),
-        network=np.concatenate([part.network for part in parts]),
-        repetition=np.concatenate([part.repetition for part in parts]),
-        success=np.concatenate([part.success for part in parts]),
-        path_lengths={
-            name: np.concatenate([part.path_lengths[name] for part in parts]) for name in paths
-        },
-    )
-
-
-def _outcomes(trials: Trials) -> Outcomes:
-    return Outcomes(
-        parameters=trials.parameters,
-        variant=trials.variant,
-        network=trials.network,
-        repetition=trials.repetition,
-        success=trials.success,
-        path_lengths={
-            name: trials.path_length(name) for name in PATHS if name in trials.feature_names
-        },
-    )

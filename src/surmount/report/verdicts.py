@@ -2,16 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 from surmount.report.comparison import GroupComparison
 from surmount.report.document.text import p_value, significant
 from surmount.stats.logrank import LogRank
 from surmount.stats.mixed import MethodContrast
 from surmount.stats.proportions import ProportionTest
+from surmount.stats.result import Result
 from surmount.workflow.run_layout import ARMS
 
 NOT_TESTABLE = "not testable"
 NO_DIFFERENCE = "no difference shown"
 UNTRAINED = "The curriculum has no levels: neither arm was trained any further."
+
+Verdict = Literal["reproduced", "partly", "not reproduced", "open"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim(Result):
+    """One claim of a paper and what a run says to it.
+
+    Attributes
+    ----------
+    claim
+        What it is about.
+    paper, ours
+        What the paper prints and what the run shows, in words.
+    verdict
+        ``"open"`` where the run has not come so far, or there is nothing to compare.
+    reason
+        What the verdict rests on.
+    """
+
+    claim: str
+    paper: str
+    ours: str
+    verdict: Verdict
+    reason: str
 
 
 def success_verdict(test: ProportionTest) -> str:

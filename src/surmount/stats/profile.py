@@ -13,6 +13,9 @@ from surmount.stats.columns import numbers
 from surmount.stats.result import Result
 from surmount.stats.strata import Scores, drawn, read_strata, sizes, too_few
 
+THRESHOLDS = np.linspace(0.0, 1.0, 101)[:-1]
+"""Success rates to exceed; nothing exceeds 1."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class PerformanceProfile(Result):

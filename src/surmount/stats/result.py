@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -37,6 +38,8 @@ def json_value(value: object) -> JsonValue:
         return json_value(value.tolist())
     if isinstance(value, tuple | list):
         return [json_value(item) for item in value]
+    if isinstance(value, Mapping):
+        return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("A statistical result holds a number that is not finite.")
     if value is None or isinstance(value, bool | int | float | str):

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.configuration import key_record, override
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.seeds import derive_seed
@@ -25,6 +25,7 @@ from surmount.experiment.presets import preset
 from surmount.experiment.task_part import task_part
 from surmount.learn.presets import ML_AGENTS
 from surmount.rstar.course.obstacles import OBSTACLES
+from surmount.studies.calibration import SCORED, reason_out, score, total_score
 from surmount.studies.paper.results import PAPER_RESULTS
 from surmount.trials.table import read_trials
 from surmount.workflow.graph import Stage
@@ -165,30 +166,44 @@ def summarise(
     dict
         By setting: ``obstacles`` (by name: ``variants`` in mm, ``success`` of shape ``(network,
         variant)``, ``groups`` with the paper's success and ours) and ``distance``, see
-        :func:`distance_to_table_1`; ``None`` where an obstacle was not trained on.
+        :func:`distance_to_table_1`; ``None`` where an obstacle was not trained on. ``score`` and
+        ``out`` are those of ADR 23: the sum over obstacles of the logarithm of the probability that
+        networks of this setting show what the paper prints, and why the setting is out, if it is.
     """
     summary: dict[str, dict[str, Any]] = {}
     for setting in settings:
         obstacles: dict[str, Any] = {}
         for obstacle in setting.obstacles:
-            rows = [
-                _success(artefacts[trials_stage(setting.name, obstacle, network)])
+            tried = {
+                network: _outcomes(artefacts[trials_stage(setting.name, obstacle, network)])
                 for network in setting.networks
                 if trials_stage(setting.name, obstacle, network) in artefacts
-            ]
-            if rows:
-                variants = rows[0][0]
-                success = np.stack([row for _, row in rows])
-                obstacles[obstacle] = {
-                    "variants": variants.tolist(),
-                    "success": success.tolist(),
-                    "groups": group_success(obstacle, variants, success),
-                }
+            }
+            if tried:
+                obstacles[obstacle] = _on_obstacle(obstacle, tried)
         summary[setting.name] = {
             "obstacles": obstacles,
             "distance": distance_to_table_1(obstacles),
+            "score": total_score(obstacles),
+            "out": reason_out(obstacles),
         }
     return summary
+
+
+def _on_obstacle(
+    obstacle: str, tried: Mapping[int, tuple[FloatArray, IntArray, int]]
+) -> dict[str, Any]:
+    variants = next(iter(tried.values()))[0]
+    trials = {repetitions for _, _, repetitions in tried.values()}.pop()
+    successes = np.stack([won for _, won, _ in tried.values()])
+    scored = {"score": score(obstacle, variants, successes, trials)} if obstacle in SCORED else {}
+    return {
+        "networks": list(tried),
+        "variants": variants.tolist(),
+        "success": (successes / trials).tolist(),
+        "groups": group_success(obstacle, variants, successes / trials),
+        **scored,
+    }
 
 
 def group_success(obstacle: str, variants: FloatArray, success: FloatArray) -> list[dict[str, Any]]:
@@ -244,9 +259,12 @@ def distance_to_table_1(obstacles: Mapping[str, Any]) -> float | None:
     )
 
 
-def _success(artefact: Artefact) -> tuple[FloatArray, FloatArray]:
-    """Return a network's variants in mm and the share of its trials that succeeded on each."""
+def _outcomes(artefact: Artefact) -> tuple[FloatArray, IntArray, int]:
+    """Return a network's variants in mm, its successes on each, and its trials of each."""
     trials = read_trials(artefact.path(TRIALS_FILE))
     variants, inverse = np.unique(trials.variant[:, 0], return_inverse=True)
-    counts = np.bincount(inverse)
-    return variants, np.bincount(inverse, weights=trials.success) / counts
+    return (
+        variants,
+        np.bincount(inverse[trials.success], minlength=len(variants)),
+        int(np.bincount(inverse)[0]),
+    )

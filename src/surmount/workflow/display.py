@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -83,7 +84,15 @@ class RunDisplay:
 
     def stage_reused(self, artefact: Artefact) -> None:
         """Say that a stage was finished before."""
-        self._say(artefact.stage, "kept from an earlier call")
+        self._say(artefact.stage, "kept from an earlier call: every file fits its hash")
+
+    def stage_outdated(self, stage: str, folders: Sequence[Path]) -> None:
+        """Say that a stage is run though it was finished, and where that is."""
+        self._say(
+            stage,
+            "was finished before, but not from what it is made from now: it is run again, and "
+            f"stays in {', '.join(map(str, folders))}",
+        )
 
     def stage_started(self, stage: str) -> None:
         """Begin a bar."""

@@ -7,6 +7,15 @@ from typing import Any
 
 _NAMES = {"obstacle": "task", "scale": "preset", "own_sha256": "fingerprint"}
 
+RENAMED = {
+    "decision_interval_s": "step_s",
+    "physics_tick_s": "physics_step_s",
+    "action_delay_decisions": "action_delay_steps",
+}
+"""Fields of a task's settings: names of before, and of today."""
+
+_BEFORE = {today: before for before, today in RENAMED.items()}
+
 
 def up_to_date(record: Mapping[str, Any]) -> dict[str, Any]:
     """Return the record of a configuration, or a part of one, by today's names.
@@ -17,6 +26,8 @@ def up_to_date(record: Mapping[str, Any]) -> dict[str, Any]:
     found = {_NAMES.get(key, key): value for key, value in record.items()}
     if ":" in str(found.get("task", "")) and "obstacle" in record:
         found.pop("env", None)  # RSTAR's settings stood unused beside one's own environment
+    if isinstance(found.get("env"), Mapping):
+        found["env"] = _renamed(found["env"], RENAMED)
     return found
 
 
@@ -30,4 +41,13 @@ def as_before(part: Mapping[str, Any]) -> dict[str, Any]:
     if "task" in found:
         found["obstacle"] = str(found.pop("task")).rpartition("/")[2]
         found["model_sha256"] = found.pop("fingerprint")
+    if isinstance(found.get("env"), Mapping):
+        found["env"] = _renamed(found["env"], _BEFORE)
     return found
+
+
+def _renamed(record: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    return {
+        names.get(key, key): _renamed(value, names) if isinstance(value, Mapping) else value
+        for key, value in record.items()
+    }

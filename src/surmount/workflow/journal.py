@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from pathlib import Path
 
-from surmount.core.errors import InputError
-from surmount.core.records import read_record, write_record
-from surmount.workflow.run_layout import INDEX, RESTARTS, SCHEMA, TIMINGS
+from surmount.core.records import sealed, write_record
+from surmount.workflow.run_layout import (
+    INDEX,
+    RESTARTS,
+    SCHEMA,
+    TIMINGS,
+    read_index,
+    read_numbers,
+)
 from surmount.workflow.runner import RunObserver
-from surmount.workflow.store import Artefact
+from surmount.workflow.store import Artefact, is_inside
 
 
 class Journal:
@@ -26,13 +34,17 @@ class Journal:
         self._root = root
         self._observer = observer
         self._stages = _kept(root)
-        self._seconds = _numbers(root / TIMINGS)
-        self._restarts = _numbers(root / RESTARTS)
+        self._seconds = read_numbers(root / TIMINGS)
+        self._restarts = read_numbers(root / RESTARTS)
 
     def stage_reused(self, artefact: Artefact) -> None:
         """Write down where an earlier call left the stage."""
         self._index(artefact)
         self._observer.stage_reused(artefact)
+
+    def stage_outdated(self, stage: str, folders: Sequence[Path]) -> None:
+        """Pass it on."""
+        self._observer.stage_outdated(stage, folders)
 
     def stage_started(self, stage: str) -> None:
         """Pass it on."""
@@ -54,26 +66,14 @@ class Journal:
     def _index(self, artefact: Artefact) -> None:
         self._stages[artefact.stage] = artefact.folder.relative_to(self._root).as_posix()
         stages = dict(sorted(self._stages.items()))
-        write_record(self._root / INDEX, {"schema": SCHEMA, "stages": stages})
+        write_record(self._root / INDEX, sealed({"schema": SCHEMA, "stages": stages}))
 
 
 def _kept(root: Path) -> dict[str, str]:
     """Return what earlier calls indexed: a comparison of teachers has more stages than a run."""
-    try:
-        stages = read_record(root / INDEX)["stages"]
-    except (InputError, KeyError):
-        return {}
-    return {name: folder for name, folder in dict(stages).items() if (root / folder).is_dir()}
-
-
-def _numbers(path: Path) -> dict[str, float]:
-    """Return the numbers of earlier calls; a damaged file loses these and nothing else."""
-    try:
-        record = read_record(path)
-    except InputError:
-        return {}
+    kept = read_index(root) or {}
     return {
-        name: value
-        for name, value in record.items()
-        if isinstance(value, int | float) and not isinstance(value, bool)
+        name: folder
+        for name, folder in kept.items()
+        if is_inside(folder) and os.path.isdir(root / folder)  # noqa: PTH112 - also false for a name that no system takes
     }

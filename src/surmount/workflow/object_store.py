@@ -12,15 +12,22 @@ manifest before it gets its name, and no name in a manifest may lead out of its 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from surmount.core.errors import ConfigError, IntegrityError, OutputError, SurmountError
-from surmount.core.records import canonical_json, file_hash, parse_record
-from surmount.workflow.store import KEY_LENGTH, MANIFEST, Artefact, LocalStore, is_index
+from surmount.core.records import canonical_json, file_hash, parse_json, parse_sealed
+from surmount.workflow.store import (
+    KEY_LENGTH,
+    MANIFEST,
+    MANIFEST_KEYS,
+    Artefact,
+    LocalStore,
+    files_of,
+    is_index,
+)
 
 CURRENT = "current.json"
 
@@ -57,7 +64,7 @@ class ObjectStore:
     def has(self, stage: str, key: str) -> bool:
         """Whether a finished stage is here."""
         with self._errors():
-            return bool(self._files.exists(f"{self._stage(stage, key)}/{MANIFEST}"))
+            return self._manifest(self._stage(stage, key)) is not None
 
     def pull(self, stage: str, key: str, store: LocalStore) -> Artefact | None:
         """Bring a finished stage into a local store, or return ``None`` if it is not here.
@@ -69,16 +76,14 @@ class ObjectStore:
         """
         base = self._stage(stage, key)
         with self._errors():
-            if not self._files.exists(f"{base}/{MANIFEST}"):
-                return None
-            manifest = parse_record(
-                self._files.cat_file(f"{base}/{MANIFEST}"), f"{base}/{MANIFEST}"
-            )
-        index = manifest.get("files")
-        if manifest.get("key") != key or manifest.get("stage") != stage or not is_index(index):
-            raise self._damaged(f"{base}/{MANIFEST}", base)
+            content = self._manifest(base)
+        if content is None:
+            return None
+        source, remedy = f"{base}/{MANIFEST} in the object store", _remedy(base)
+        manifest = parse_sealed(content, source, MANIFEST_KEYS, remedy=remedy)
+        index = files_of(manifest, stage, key, source, remedy=remedy)
         workspace = store.workspace(stage, key)
-        for name, digest in cast("dict[str, str]", index).items():
+        for name, digest in index.items():
             self._fetch(f"{base}/{name}", workspace / name, digest, base)
         artefact = store.publish(workspace, manifest)
         store.drop_checkpoint(stage, key)
@@ -119,7 +124,7 @@ class ObjectStore:
             if not self._files.exists(f"{base}/{CURRENT}"):
                 return False
             try:
-                index = json.loads(self._files.cat_file(f"{base}/{CURRENT}"))
+                index = parse_json(self._files.cat_file(f"{base}/{CURRENT}").decode())
             except (ValueError, RecursionError):
                 return False
         if not is_index(index):
@@ -133,9 +138,32 @@ class ObjectStore:
             return False
         return bool(index)
 
+    def _manifest(self, base: str) -> bytes | None:
+        """Return a stage's manifest; ``None`` where there is none, or one that was torn.
+
+        A store that does not keep objects whole may have a part of one: the stage was not sent to
+        its end, and is sent again.
+        """
+        path = f"{base}/{MANIFEST}"
+        if not self._files.exists(path):
+            return None
+        content = self._files.cat_file(path)
+        return content if content.rstrip().endswith(b"}") else None
+
     def _send(self, path: Path, target: str) -> None:
+        """Send a file, and see that all of it has come.
+
+        Raises
+        ------
+        OSError
+            If the store has less of it, or more.
+        """
         self._files.makedirs(target.rpartition("/")[0], exist_ok=True)
         self._files.put_file(str(path), target)
+        self._files.invalidate_cache()
+        sent, arrived = path.stat().st_size, self._files.size(target)
+        if arrived not in (sent, None):  # some stores do not tell
+            raise OSError(f"of {target}, {arrived:,} of {sent:,} bytes have arrived")
 
     def _fetch(self, source: str, path: Path, digest: str, base: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -148,7 +176,7 @@ class ObjectStore:
     def _damaged(self, what: str, base: str) -> IntegrityError:
         return IntegrityError(
             f"{what} in the object store was changed or damaged: its hash does not fit.",
-            remedy=f"Delete {base} there and run again: only this stage is repeated.",
+            remedy=_remedy(base),
         )
 
     def _stage(self, stage: str, key: str) -> str:
@@ -170,3 +198,7 @@ class ObjectStore:
                 remedy="Check that it is reachable, and that this account may read and write it; "
                 "finished work is kept, and the same command goes on.",
             ) from error
+
+
+def _remedy(base: str) -> str:
+    return f"Delete {base} there and run again: only this stage is repeated."

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from surmount.core.errors import InputError, IntegrityError, OutputError
-from surmount.core.records import read_record
+from surmount.core.errors import InputError, OutputError
+from surmount.core.records import read_sealed
 from surmount.workflow.earlier import up_to_date
 from surmount.workflow.run_layout import (
-    INDEX,
     MOST_NETWORKS,
     RESTARTS,
     RUN,
     TIMINGS,
     expected_stages,
-    read_run_record,
+    read_index,
+    read_numbers,
+    read_run,
 )
-from surmount.workflow.store import MANIFEST, Artefact, LocalStore, is_inside
+from surmount.workflow.store import MANIFEST, MANIFEST_KEYS, Artefact, LocalStore, is_inside
 
 Record = dict[str, Any]
 
@@ -107,16 +109,16 @@ def open_run(root: Path) -> RunFolder:
     OutputError
         If there is no run in the folder.
     InputError
-        If ``run.json`` or ``index.json`` is not of this version or is damaged.
+        If ``run.json`` is not of this version.
     IntegrityError
-        If a stage's manifest does not belong to it.
+        If ``run.json`` or a stage's manifest was changed or damaged.
     """
     if not (root / RUN).is_file():
         raise OutputError(
             f"There is no run in {root}: it has no {RUN}.",
             remedy="Give the --out folder of `surmount reproduce`.",
         )
-    run = read_run_record(root / RUN)
+    run = read_run(root)
     config = run.get("config")
     if isinstance(config, dict):
         config = up_to_date(cast(Record, config))
@@ -137,63 +139,65 @@ def open_run(root: Path) -> RunFolder:
         config=checked,
         versions=_texts(run.get("versions")),
         machine=_texts(run.get("machine")),
-        seconds=_seconds(root / TIMINGS),
+        seconds=read_numbers(root / TIMINGS),
         stages=stages,
-        restarts={name: int(count) for name, count in _seconds(root / RESTARTS).items()},
+        restarts={name: int(count) for name, count in read_numbers(root / RESTARTS).items()},
         kinds=_kinds(stages),
         missing=tuple(name for name in expected_stages(checked["networks"]) if name not in stages),
     )
 
 
 def _stages(root: Path) -> dict[str, Artefact]:
-    folders = _indexed(root) if (root / INDEX).is_file() else _found(root)
+    """Return the finished stages: those of the index, or where it is damaged, all there are."""
+    indexed = read_index(root)
+    if indexed is not None:
+        stages = _held(root, indexed)
+        if stages is not None:
+            return stages
+    return _held(root, _found(root)) or {}
+
+
+def _held(root: Path, folders: Mapping[str, str]) -> dict[str, Artefact] | None:
+    """Return the stages in these folders; ``None`` where one is not what it is said to be."""
     store = LocalStore(root)
     stages: dict[str, Artefact] = {}
-    for name, folder in sorted(folders.items()):
-        if not (folder / MANIFEST).is_file():
+    for name, relative in sorted(folders.items()):
+        folder = root / relative
+        if not is_inside(relative) or relative.rpartition("/")[0] != f"stages/{name}":
+            return None
+        if not os.path.isdir(folder):  # noqa: PTH112 - also false for a name that no system takes
             continue  # deleted since, as the remedy for a damaged artefact says
-        key = read_record(folder / MANIFEST).get("key")
-        artefact = store.find(name, str(key))
+        artefact = store.find(name, _key(folder))
         if artefact is None or artefact.folder.resolve() != folder.resolve():
-            raise IntegrityError(
-                f"{folder} does not hold stage `{name}`, as {root / INDEX} says.",
-                remedy="Run the same command again: what is missing is repeated.",
-            )
+            return None
         stages[name] = artefact
     return stages
 
 
-def _indexed(root: Path) -> dict[str, Path]:
-    stages = read_run_record(root / INDEX).get("stages")
-    if not isinstance(stages, dict) or not all(
-        isinstance(folder, str) and is_inside(folder) for folder in stages.values()
-    ):
-        raise InputError(
-            f"{root / INDEX} names no stages, or such outside the folder.",
-            remedy="Run the same command again to write it.",
-        )
-    return {str(name): root / str(folder) for name, folder in cast(Record, stages).items()}
+def _key(folder: Path) -> str:
+    remedy = f"Delete {folder} and run again: only this stage is repeated."
+    return str(read_sealed(folder / MANIFEST, MANIFEST_KEYS, remedy=remedy).get("key"))
 
 
-def _found(root: Path) -> dict[str, Path]:
-    """Return the stages of a run that was killed before it could write its index.
+def _found(root: Path) -> dict[str, str]:
+    """Return the folders of a run that was killed before it could write its index.
 
     A stage with several results is left out: only the run knows which of them is current.
     """
-    folders: dict[str, list[Path]] = {}
+    folders: dict[str, list[str]] = {}
     base = root / "stages"
     for manifest in sorted(base.rglob(MANIFEST)):
         folder = manifest.parent
         if not folder.name.startswith("."):
             name = folder.parent.relative_to(base).as_posix()
-            folders.setdefault(name, []).append(folder)
+            folders.setdefault(name, []).append(folder.relative_to(root).as_posix())
     return {name: found[0] for name, found in folders.items() if len(found) == 1}
 
 
 def _kinds(stages: Mapping[str, Artefact]) -> tuple[Mapping[str, str], ...]:
     found: list[Mapping[str, str]] = []
     for artefact in stages.values():
-        kind = _texts(read_record(artefact.folder / MANIFEST).get("made_with"))
+        kind = _texts(artefact.made_with)
         if kind and kind not in found:
             found.append(kind)
     return tuple(found)
@@ -203,13 +207,3 @@ def _texts(value: object) -> dict[str, str]:
     if not isinstance(value, dict):
         return {}
     return {str(key): str(text) for key, text in cast(Record, value).items()}
-
-
-def _seconds(path: Path) -> dict[str, float]:
-    if not path.is_file():
-        return {}
-    return {
-        name: float(value)
-        for name, value in read_record(path).items()
-        if isinstance(value, int | float) and value >= 0
-    }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Protocol
 
 from surmount.workflow.artefact_store import ArtefactStore
 from surmount.workflow.executor import RETRIES, Executor, StageResult, WorkerLostError
+from surmount.workflow.folder_guard import FolderGuard
 from surmount.workflow.graph import Stage, check_graph, dependencies
 from surmount.workflow.monitor import Interrupted
 from surmount.workflow.stage_task import StageTask
@@ -24,6 +25,10 @@ class RunObserver(Protocol):
 
     def stage_reused(self, artefact: Artefact) -> None:
         """Take note that a stage was finished by an earlier call."""
+        ...
+
+    def stage_outdated(self, stage: str, folders: Sequence[Path]) -> None:
+        """Take note that a stage was finished, but not from what it is made from now."""
         ...
 
     def stage_started(self, stage: str) -> None:
@@ -92,6 +97,8 @@ class GraphRunner:
         self._observer = observer
         self._finished: dict[str, Artefact] = {}
         self._running: dict[str, tuple[Stage, Future[StageResult]]] = {}
+        self._missing: dict[str, str] = {}
+        self._guard = FolderGuard(self._depot.root)
         self._stopping = False
         self._interrupted = False
 
@@ -103,14 +110,26 @@ class GraphRunner:
     def run(self) -> RunOutcome:
         """Run until the graph is finished or the run is stopped.
 
+        What was finished before is verified, and what no longer fits is told, before anything is
+        started.
+
         Raises
         ------
         SurmountError
             What the first failing stage found wrong, after the others have saved themselves.
+        IntegrityError
+            If a stage that was finished before was changed since.
+        OutputError
+            If the output folder, or what was finished in it, was removed meanwhile.
         """
+        with self._guard:
+            return self._run()
+
+    def _run(self) -> RunOutcome:
         failure: Exception | None = None
         while self._waiting or self._running:
             if not self._stopping:
+                self._keep_finished()
                 self._start_ready()
             if not self._running:
                 if self._stopping:
@@ -127,20 +146,32 @@ class GraphRunner:
             interrupted=self._interrupted or bool(self._waiting),
         )
 
-    def _start_ready(self) -> None:
+    def _keep_finished(self) -> None:
+        """Keep what is finished already; the graph's order lets one pass reach all of it."""
         for name, stage in list(self._waiting.items()):
-            if not dependencies(stage) <= self._finished.keys():
+            if name in self._missing or not dependencies(stage) <= self._finished.keys():
                 continue
             key = stage.key(self._finished)
             found = self._find(stage, key)
-            if found is not None:
-                del self._waiting[name]
-                self._finished[name] = found
-                self._observer.stage_reused(found)
-            elif len(self._running) < self._executor.slots and not self._stopping:
-                del self._waiting[name]
-                self._observer.stage_started(name)
-                self._running[name] = (stage, self._executor.submit(self._task(stage, key)))
+            if found is None:
+                self._missing[name] = key
+                outdated = self._depot.store.others(name, key)
+                if outdated:
+                    self._observer.stage_outdated(name, outdated)
+                continue
+            found.verify()
+            del self._waiting[name]
+            self._finished[name] = found
+            self._observer.stage_reused(found)
+
+    def _start_ready(self) -> None:
+        for name, key in list(self._missing.items()):
+            if len(self._running) >= self._executor.slots or self._stopping:
+                return
+            del self._missing[name]
+            stage = self._waiting.pop(name)
+            self._observer.stage_started(name)
+            self._running[name] = (stage, self._executor.submit(self._task(stage, key)))
 
     def _find(self, stage: Stage, key: str) -> Artefact | None:
         """Return a stage that is finished, also under the key of earlier versions.
@@ -197,6 +228,7 @@ class GraphRunner:
         return failure
 
     def _finish(self, result: StageResult) -> None:
+        self._guard.check(self._finished.values())
         artefact = self._depot.bring(result.artefact)
         self._finished[artefact.stage] = artefact
         self._observer.stage_finished(artefact, result.seconds)

@@ -20,23 +20,29 @@ import re
 import secrets
 import shutil
 from collections.abc import Generator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from surmount.core.errors import IntegrityError, OutputError, SurmountError
 from surmount.core.records import (
     file_hash,
-    read_record,
+    read_sealed,
     record_hash,
+    sealed,
     synchronise,
     write_record,
 )
 
 MANIFEST = "manifest.json"
+MANIFEST_KEYS = ("schema", "stage", "key", "inputs", "files", "made_with")
 SCHEMA = 1
 KEY_LENGTH = 16
 """Hexadecimal digits of a key that name a folder: 64 bits."""
+_WHOLE = ".whole"
+"""Stands in a workspace until it is published: gone where the workspace was removed meanwhile."""
+_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{8}\.tmp")
+"""Names of what is not finished; see :func:`surmount.core.records.write_atomically`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,12 +59,15 @@ class Artefact:
         Where the files are.
     files
         SHA-256 of each file by its name.
+    made_with
+        Versions and kind of machine, where recorded.
     """
 
     stage: str
     key: str
     folder: Path
     files: Mapping[str, str]
+    made_with: Mapping[str, str] = field(default_factory=dict[str, str], compare=False)
 
     @property
     def content_hash(self) -> str:
@@ -86,6 +95,17 @@ class Artefact:
             )
         return path
 
+    def verify(self) -> None:
+        """Check every file against its hash.
+
+        Raises
+        ------
+        IntegrityError
+            Naming the first whose content does not fit.
+        """
+        for name in self.files:
+            self.path(name)
+
 
 class LocalStore:
     """Finished stages and checkpoints below one output folder."""
@@ -94,7 +114,13 @@ class LocalStore:
         self.root = root
 
     def find(self, stage: str, key: str) -> Artefact | None:
-        """Return the finished stage of this key, or ``None`` if it has not been run."""
+        """Return the finished stage of this key, or ``None`` if it has not been run.
+
+        Raises
+        ------
+        IntegrityError
+            If the folder is not that stage's, or its manifest was changed.
+        """
         folder = self._stage_folder(stage, key)
         if not folder.is_dir():
             return None
@@ -103,14 +129,26 @@ class LocalStore:
                 f"{folder} is a link, not a folder of this run.",
                 remedy=f"Remove {folder} and run again: only this stage is repeated.",
             )
-        manifest = read_record(folder / MANIFEST) if (folder / MANIFEST).is_file() else {}
-        files = manifest.get("files")
-        if manifest.get("key") != key or manifest.get("stage") != stage or not is_index(files):
-            raise IntegrityError(
-                f"{folder / MANIFEST} does not belong to stage `{stage}`.",
-                remedy=f"Delete {folder} and run again: only this stage is repeated.",
-            )
-        return Artefact(stage=stage, key=key, folder=folder, files=dict(manifest["files"]))
+        remedy = f"Delete {folder} and run again: only this stage is repeated."
+        manifest = read_sealed(folder / MANIFEST, MANIFEST_KEYS, remedy=remedy)
+        return Artefact(
+            stage=stage,
+            key=key,
+            folder=folder,
+            files=files_of(manifest, stage, key, str(folder / MANIFEST), remedy=remedy),
+            made_with=manifest.get("made_with") or {},
+        )
+
+    def others(self, stage: str, key: str) -> list[Path]:
+        """Return the folders of what the stage left when it was made from something else."""
+        folder = self._stage_folder(stage, key)
+        if not folder.parent.is_dir():
+            return []
+        return sorted(
+            other
+            for other in folder.parent.iterdir()
+            if other != folder and not other.name.startswith(".") and (other / MANIFEST).is_file()
+        )
 
     def workspace(self, stage: str, key: str) -> Path:
         """Return an empty folder to write a stage's files to before :meth:`commit`.
@@ -121,6 +159,7 @@ class LocalStore:
         folder = self._stage_folder(stage, key)
         workspace = folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.tmp")
         workspace.mkdir(parents=True)
+        (workspace / _WHOLE).touch()
         return workspace
 
     def commit(
@@ -148,7 +187,7 @@ class LocalStore:
         files = {
             path.relative_to(workspace).as_posix(): file_hash(path)
             for path in sorted(workspace.rglob("*"))
-            if path.is_file()
+            if path.is_file() and path != workspace / _WHOLE
         }
         manifest = {
             "schema": SCHEMA,
@@ -167,9 +206,16 @@ class LocalStore:
 
         Where another run finished the stage meanwhile, its files are kept: the key says that they
         are the same.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the workspace was removed meanwhile, also where who writes there made it again:
+            files of the stage are missing then.
         """
         stage, key = str(manifest["stage"]), str(manifest["key"])
-        write_record(workspace / MANIFEST, manifest)
+        (workspace / _WHOLE).unlink()
+        write_record(workspace / MANIFEST, sealed(manifest))
         for path in workspace.rglob("*"):
             synchronise(path)
         folder = self._stage_folder(stage, key)
@@ -200,6 +246,22 @@ class LocalStore:
 
     def _stage_folder(self, stage: str, key: str) -> Path:
         return self.root / "stages" / stage / key[:KEY_LENGTH]
+
+
+def files_of(
+    manifest: Mapping[str, Any], stage: str, key: str, source: str, *, remedy: str
+) -> dict[str, str]:
+    """Return the hashes of a stage's files, if the manifest is that stage's.
+
+    Raises
+    ------
+    IntegrityError
+        If it is another's, or names what no manifest may.
+    """
+    files: Any = manifest.get("files")
+    if manifest.get("key") != key or manifest.get("stage") != stage or not is_index(files):
+        raise IntegrityError(f"{source} does not belong to stage `{stage}`.", remedy=remedy)
+    return dict(files)
 
 
 def is_index(files: Any) -> bool:
@@ -241,7 +303,20 @@ def sole_user(root: Path) -> Generator[None]:
                 f"Another process is working in {root}.",
                 remedy="Wait for it to end, stop it, or choose another --out folder.",
             ) from error
+        with output_errors(root):
+            clear_unfinished(root)
         yield
+
+
+def clear_unfinished(root: Path) -> None:
+    """Remove what processes that were killed had begun to write and given no name yet."""
+    for folder, names, files in os.walk(root):
+        for name in [name for name in names if _TEMPORARY.fullmatch(name)]:
+            shutil.rmtree(Path(folder, name), ignore_errors=True)
+            names.remove(name)  # walked into no further
+        for name in files:
+            if _TEMPORARY.fullmatch(name):
+                Path(folder, name).unlink(missing_ok=True)
 
 
 def refuse_links(root: Path) -> None:

@@ -19,10 +19,10 @@ from surmount.rstar.robot.config import RobotConfig
 from surmount.tasks.distribution import TaskDistribution
 
 NAMES = tuple(OBSTACLES)
-SHORT = EnvConfig(decision_interval_s=0.02, episode_s=0.3)
-"""Episodes of 15 short decisions: resets happen often and cheaply."""
-TENTHS = EnvConfig(decision_interval_s=0.1)
-"""Ten decisions a second."""
+SHORT = EnvConfig(step_s=0.02, episode_s=0.3)
+"""Episodes of 15 short steps: resets happen often and cheaply."""
+TENTHS = EnvConfig(step_s=0.1)
+"""Ten steps a second."""
 
 
 def actions(steps, envs, seed=0):
@@ -150,7 +150,7 @@ def test_a_wide_channel_lets_pass_what_a_narrow_one_stops():
 
 
 def test_drawn_variants_follow_the_mixture_across_autoresets():
-    env = ObstacleVectorEnv("step", 9, config=EnvConfig(decision_interval_s=0.005, episode_s=0.005))
+    env = ObstacleVectorEnv("step", 9, config=EnvConfig(step_s=0.005, episode_s=0.005))
     env.set_task_distribution(
         TaskDistribution(
             parameters=("height_mm",),
@@ -293,7 +293,7 @@ def test_speed_command_is_limited_to_a_quarter_metre_a_second_and_one_metre_a_se
 def test_tyres_roll_without_slip_when_the_robot_accelerates_within_its_friction():
     # 1 m/s² needs a tenth of the friction. An implicit damper on too light a wheel would break
     # this: contacts would not feel it.
-    config = EnvConfig(decision_interval_s=0.02)
+    config = EnvConfig(step_s=0.02)
     env = ObstacleVectorEnv("low-entrance", 1, config=config, autoreset_mode=AutoresetMode.DISABLED)
     env.reset(seed=0, options={"variant": 140, "start": "fixed"})
     for _ in range(25):
@@ -308,7 +308,7 @@ def test_tyres_roll_without_slip_when_the_robot_accelerates_within_its_friction(
 
 def test_angle_commands_ramp_at_80_degrees_a_second_whatever_the_decision_interval():
     for interval in (0.1, 0.05, 0.02):
-        config = EnvConfig(decision_interval_s=interval)
+        config = EnvConfig(step_s=interval)
         env = ObstacleVectorEnv("low-entrance", 1, config=config)
         env.reset(seed=0, options={"variant": 140, "start": "fixed"})
         for _ in range(round(0.4 / interval)):
@@ -378,7 +378,7 @@ def test_random_actions_neither_diverge_nor_push_the_robot_into_floor_or_obstacl
 @pytest.mark.parametrize("name", NAMES)
 def test_long_random_runs_neither_diverge_nor_penetrate(name, gear):
     deepest_mm, diverged, fastest = random_run(
-        name, 50_000, EnvConfig(robot=RobotConfig(gear=gear), decision_interval_s=0.1)
+        name, 50_000, EnvConfig(robot=RobotConfig(gear=gear), step_s=0.1)
     )
     assert diverged == 0
     assert 0.0 < deepest_mm < 6.0
@@ -428,7 +428,7 @@ def test_registered_vector_environments_declare_mode_spaces_and_tasks(obstacle):
     assert env.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
     assert env.single_observation_space.shape == (7 if obstacle.name == "step" else 6,)
     assert env.task_parameters == (obstacle.parameter,)
-    assert env.decision_interval_s == 0.01
+    assert env.step_s == 0.01
     assert env.feature_names == ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
     obs, infos = env.reset(seed=0)
     assert env.observation_space.contains(obs)

@@ -14,18 +14,18 @@ from surmount.rstar.robot.config import RobotConfig
 
 def test_default_decisions_and_cap_are_whole_ticks_and_steps():
     config = EnvConfig()
-    assert config.ticks_per_decision * config.robot.physics_tick_s == pytest.approx(
-        config.decision_interval_s
+    assert config.physics_steps_per_step * config.robot.physics_step_s == pytest.approx(
+        config.step_s
     )
-    assert config.steps_per_episode * config.decision_interval_s == pytest.approx(20.0)
+    assert config.steps_per_episode * config.step_s == pytest.approx(20.0)
 
 
 @pytest.mark.parametrize(
     ("make", "field"),
     [
-        (lambda: EnvConfig(decision_interval_s=0.012), "decision_interval_s"),
+        (lambda: EnvConfig(step_s=0.012), "step_s"),
         (lambda: EnvConfig(episode_s=0.005), "episode_s"),
-        (lambda: EnvConfig(decision_interval_s=float("nan")), "decision_interval_s"),
+        (lambda: EnvConfig(step_s=float("nan")), "step_s"),
         (lambda: CourseConfig(target_m=1.0), "floor_front_m"),
         (lambda: CourseConfig(floor_half_width_m=-1.0), "floor_half_width_m"),
         (lambda: StartConfig(region="behind"), "start.region"),
@@ -43,7 +43,7 @@ def test_values_out_of_range_are_refused_naming_the_field(make, field):
 def test_every_field_can_be_read_from_dotted_keys_and_goes_to_json_and_back():
     config = configuration.override(
         EnvConfig(),
-        {"robot.gear": "both", "reward.yaw_limits_deg": "[4.0, 9.0]", "decision_interval_s": 0.05},
+        {"robot.gear": "both", "reward.yaw_limits_deg": "[4.0, 9.0]", "step_s": 0.05},
     )
     assert config.robot.gear == "both"
     assert config.reward.yaw_limits_deg == (4.0, 9.0)

@@ -51,13 +51,13 @@ def test_the_contact_of_a_tyre_in_an_edge_has_the_depth_of_the_overlap():
 def test_contacts_are_as_stiff_at_a_shorter_tick(tick_s):
     # Four weights of the robot on the floor: a property of the robot, not of the integration.
     depths_mm = []
-    for tick in (RobotConfig().physics_tick_s, tick_s):
-        config = EnvConfig(robot=RobotConfig(physics_tick_s=tick))
+    for physics_step_s in (RobotConfig().physics_step_s, tick_s):
+        config = EnvConfig(robot=RobotConfig(physics_step_s=physics_step_s))
         model = build_model(OBSTACLES["step"], config)
         data = mujoco.MjData(model)
         data.qpos[:3] = [-0.3, 0, 0.1]
         data.xfrc_applied[model.body("base").id, 2] = -3 * 9.81 * model.body_mass.sum()
-        for _ in range(round(3.0 / tick)):
+        for _ in range(round(3.0 / physics_step_s)):
             mujoco.mj_step(model, data)
         assert data.ncon > 0
         assert np.abs(data.qvel).max() < 0.01

@@ -21,7 +21,7 @@ EVERYTHING = RandomisationConfig(
     sprawl_gain_factor=(0.7, 1.4),
     fbem_gain_factor=(0.7, 1.4),
     wheel_gain_factor=(0.7, 1.4),
-    action_delay_decisions=(0, 3),
+    action_delay_steps=(0, 3),
     attitude_noise_deg=1.0,
     joint_noise_deg=0.5,
     speed_noise_mps=0.01,
@@ -32,7 +32,7 @@ FIXED = {"start": "fixed"}
 
 
 def course(name="low-entrance", num_envs=1, mode=AutoresetMode.DISABLED, **randomisation):
-    config = EnvConfig(decision_interval_s=0.02, randomisation=RandomisationConfig(**randomisation))
+    config = EnvConfig(step_s=0.02, randomisation=RandomisationConfig(**randomisation))
     env = ObstacleVectorEnv(name, num_envs, config=config, autoreset_mode=mode)
     env.reset(seed=0, options={**FIXED, "variant": find_obstacle(name).upper})
     return env
@@ -68,7 +68,7 @@ def test_without_randomisation_the_physics_is_that_of_a_bare_mujoco_loop_to_the_
         env.step(action)
         for index, data in enumerate(datas):
             data.ctrl[:] = [action[index, k] * full[k] for k in kind]
-            mujoco.mj_step(model, data, config.ticks_per_decision)
+            mujoco.mj_step(model, data, config.physics_steps_per_step)
     rows = env.state_dict()["simulation"]
     for data, row in zip(datas, rows, strict=True):
         expected = np.empty(row.size)
@@ -137,7 +137,7 @@ def test_on_a_slippery_ground_friction_and_not_the_servo_limits_the_acceleration
         env.step([[1.0, 0.0, 0.0]])
     gained = env.simulation.batch.bind("qvel")[0, 0] - before
     # Sliding tyres push with μ m g, whatever the wheels do: 0.51 m/s² instead of 1 m/s². The first
-    # decisions, in which the wheels are still too slow to slide, take a little off.
+    # steps, in which the wheels are still too slow to slide, take a little off.
     limit = env.config.robot.friction * factor * 9.81 * 15 * 0.02
     assert gained == pytest.approx(limit, rel=0.12)
     assert gained < 0.6 * 15 * 0.02
@@ -172,9 +172,7 @@ def test_noise_is_normal_has_the_stated_deviation_and_shows_in_nothing_but_obser
 
 
 def test_observed_targets_are_free_of_noise_and_those_of_the_actions_that_have_arrived():
-    noise = RandomisationConfig(
-        joint_noise_deg=5.0, speed_noise_mps=0.1, action_delay_decisions=(2, 2)
-    )
+    noise = RandomisationConfig(joint_noise_deg=5.0, speed_noise_mps=0.1, action_delay_steps=(2, 2))
     config = EnvConfig(observe_targets=True, randomisation=noise)
     env = ObstacleVectorEnv("step", 2, config=config, n_threads=1)
     env.reset(seed=0, options={**FIXED, "variant": 30.0})
@@ -186,7 +184,7 @@ def test_observed_targets_are_free_of_noise_and_those_of_the_actions_that_have_a
 
 @pytest.mark.parametrize("delay", [1, 3])
 def test_a_delay_of_so_many_decisions_is_the_undelayed_run_with_as_many_idle_ones_before(delay):
-    late, prompt = course(action_delay_decisions=(delay, delay)), course()
+    late, prompt = course(action_delay_steps=(delay, delay)), course()
     plan = np.random.default_rng(2).uniform(-1, 1, (30, 1, 3))
     idle = np.zeros((delay, 1, 3))
     for decided, effective in zip(plan, np.concatenate([idle, plan])[: len(plan)], strict=True):
@@ -199,11 +197,11 @@ def test_a_delay_of_so_many_decisions_is_the_undelayed_run_with_as_many_idle_one
 
 
 def test_actions_of_an_old_episode_do_not_reach_the_new_one():
-    env = course(action_delay_decisions=(3, 3))
+    env = course(action_delay_steps=(3, 3))
     for _ in range(5):
         env.step([[1.0, 1.0, 1.0]])
     env.reset(options={**FIXED, "variant": 140.0})
-    fresh = course(action_delay_decisions=(3, 3))
+    fresh = course(action_delay_steps=(3, 3))
     for _ in range(5):
         seen, _, _, _, _ = env.step(np.zeros((1, 3)))
         expected, _, _, _, _ = fresh.step(np.zeros((1, 3)))
@@ -275,8 +273,8 @@ def test_an_environment_that_is_not_reset_keeps_what_it_saw():
         ("friction_factor", (0.0, 1.0)),
         ("mass_factor", (1.2, 1.1)),
         ("wheel_gain_factor", (1.0, float("nan"))),
-        ("action_delay_decisions", (-1, 2)),
-        ("action_delay_decisions", (0, 1000)),
+        ("action_delay_steps", (-1, 2)),
+        ("action_delay_steps", (0, 1000)),
         ("joint_noise_deg", -0.1),
         ("size_noise_mm", float("inf")),
     ],

@@ -6,8 +6,8 @@ from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.config import EnvConfig, RewardConfig
 from surmount.rstar.course.rewards import Reward
 
-# 200 decisions in an episode.
-CONFIG = EnvConfig(decision_interval_s=0.1, episode_s=20.0)
+# 200 steps in an episode.
+CONFIG = EnvConfig(step_s=0.1, episode_s=20.0)
 REWARD = Reward(CONFIG)
 
 
@@ -74,7 +74,7 @@ def test_a_swing_of_the_body_earns_nothing_where_the_carriers_are_measured():
 def test_only_the_reward_asks_for_the_carriers_and_only_where_it_is_told_to():
     outcomes = {}
     for point in ("body", "carriers"):
-        config = EnvConfig(reward=RewardConfig(distance_point=point), decision_interval_s=0.02)
+        config = EnvConfig(reward=RewardConfig(distance_point=point), step_s=0.02)
         env = ObstacleVectorEnv("low-entrance", 2, config=config, n_threads=1)
         env.reset(seed=0, options={"variant": 140.0, "start": "fixed"})
         assert (env.simulation.measure().carrier_x_m is None) == (point == "body")

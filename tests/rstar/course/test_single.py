@@ -13,8 +13,8 @@ from surmount.rstar.robot.config import RobotConfig
 
 IDS = [obstacle.gym_id for obstacle in OBSTACLES.values()]
 FIXED = {"start": "fixed"}
-SLOWER = EnvConfig(decision_interval_s=0.02)
-"""Fifty decisions a second, 1,000 an episode."""
+SLOWER = EnvConfig(step_s=0.02)
+"""Fifty steps a second, 1,000 an episode."""
 
 
 @pytest.mark.parametrize("gym_id", IDS)

@@ -8,8 +8,8 @@ from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.robot.config import RobotConfig
 
-TICK = EnvConfig(decision_interval_s=RobotConfig().physics_tick_s)
-"""Decisions of one tick: what the cheap looks see is the state that was planted."""
+TICK = EnvConfig(step_s=RobotConfig().physics_step_s)
+"""Steps of one physics step: what the cheap looks see is the state that was planted."""
 STEP_MM = 40.0
 
 
@@ -22,7 +22,7 @@ def watched(name="step", num_envs=1, config=TICK):
 
 
 def plant(env, **values):
-    """Put the first robot somewhere, and look at it from one tick later."""
+    """Put the first robot somewhere, and look at it from one physics step later."""
     qpos = env.simulation.batch.bind("qpos")[0]
     for joint, value in values.items():
         place = "xyz".find(joint)

@@ -26,7 +26,7 @@ from surmount.rstar.film.motion import Puppet, record_motion
 
 SMALL = {"width_px": 96, "height_px": 72}
 STEP = find_obstacle("step")
-CONFIG = EnvConfig(decision_interval_s=0.1)
+CONFIG = EnvConfig(step_s=0.1)
 
 
 def drive(observations, x_m):

@@ -69,7 +69,7 @@ def test_a_log_whose_distance_leaves_out_the_height_is_known_as_such(root, table
     log = run_log(open_run(root), "trials/network-0", trials, "log")
     motion = logged_motion(log, 2)
     rows = slice(trials.starts[2], trials.starts[3])
-    x_m, y_m = motion.qpos[:: CONFIG.env.ticks_per_decision, :2].T
+    x_m, y_m = motion.qpos[:: CONFIG.env.physics_steps_per_step, :2].T
     older = trials.features.copy()
     ahead_m = CONFIG.env.course.target_m - x_m
     older[rows, 3] = np.sqrt(ahead_m * ahead_m + y_m * y_m)
@@ -107,7 +107,7 @@ def test_a_trial_with_randomised_physics_is_simulated_again_with_its_own_draws(t
     ranges = {
         "env.randomisation.friction_factor": [0.7, 1.3],
         "env.randomisation.mass_factor": [0.8, 1.2],
-        "env.randomisation.action_delay_decisions": [0, 2],
+        "env.randomisation.action_delay_steps": [0, 2],
         "env.randomisation.joint_noise_deg": 1.0,
         "env.episode_s": 1.0,
         "initial_steps": 0,
@@ -136,7 +136,7 @@ def test_a_trial_that_departs_from_its_log_is_drawn_from_the_log(root, table):
     log = run_log(open_run(root), "trials/network-0", replace(trials, features=altered), "log")
     motion = logged_motion(log, 3)
     assert CAPTION in motion.caption
-    assert "it departs after 0.50 s" in motion.caption  # the fifth decision of 0.1 s
+    assert "it departs after 0.50 s" in motion.caption  # the fifth step of 0.1 s
     assert "equal" in logged_motion(log, 4).caption
 
 
@@ -176,7 +176,7 @@ def test_a_policy_moves_as_in_a_roll_out_with_the_same_seed(root, network):
 
 def test_a_policy_with_correlated_noise_moves_as_in_its_roll_out(network, tmp_path):
     trained = Snapshot.load(network)
-    noise = {"correlation_s": 0.5, "decision_interval_s": 0.1}
+    noise = {"correlation_s": 0.5, "step_s": 0.1}
     record = {**trained.record, "exploration_noise": noise, "action_divisor": 3.0}
     mine = Snapshot(tensors=trained.tensors, record=record)
     mine.save(tmp_path / "mine.safetensors")
@@ -212,7 +212,7 @@ def test_a_network_from_elsewhere_knows_its_obstacle_and_may_be_tried_on_another
     (motion,) = shown(copy, task="low-entrance", changes={"env.episode_s": 0.5})
     assert motion.caption == "mine.safetensors, actions drawn by seed 0"
     assert (motion.obstacle.name, motion.size_mm) == ("low-entrance", 55.0)
-    assert motion.config.decision_interval_s == CONFIG.env.decision_interval_s
+    assert motion.config.step_s == CONFIG.env.step_s
     with pytest.raises(InputError, match="takes 6 observations, and step has 7"):
         shown(copy, task="step")
 
@@ -238,7 +238,7 @@ def test_an_obstacle_is_shown_with_the_manoeuvre_stored_for_its_hardest_variant(
     assert motion.success
     # Played on this machine it is the same to the last bit.
     stored = stored_manoeuvre(name, motion.size_mm).manoeuvre
-    player = Player([stored], motion.config.decision_interval_s)
+    player = Player([stored], motion.config.step_s)
     again = record_motion(
         obstacle, motion.config, motion.size_mm, lambda _, x_m: player.act(x_m), caption=""
     )

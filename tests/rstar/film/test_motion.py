@@ -16,7 +16,7 @@ from surmount.rstar.manoeuvres.manoeuvre import Player
 from surmount.rstar.manoeuvres.stored import stored_manoeuvres
 
 STEP = find_obstacle("step")
-CONFIG = EnvConfig(decision_interval_s=0.1, episode_s=2.0)
+CONFIG = EnvConfig(step_s=0.1, episode_s=2.0)
 
 
 def wriggle(observations, x_m):
@@ -35,12 +35,14 @@ def test_a_motion_has_every_tick_of_the_episode_to_the_last_bit():
         observations, *_, infos = env.step(wriggle(observations, env.simulation.measure().x_m))
         qpos.append(positions[0].copy())
         features.append(infos["features"][0].copy())
-    ticks = CONFIG.ticks_per_decision
-    assert len(motion.qpos) == 20 * ticks + 1
-    np.testing.assert_array_equal(motion.qpos[::ticks], qpos)
+    physics_steps = CONFIG.physics_steps_per_step
+    assert len(motion.qpos) == 20 * physics_steps + 1
+    np.testing.assert_array_equal(motion.qpos[::physics_steps], qpos)
     np.testing.assert_array_equal(motion.features, features)
-    np.testing.assert_allclose(motion.time_s[::ticks], motion.features[:, 0], atol=1e-12)
-    assert np.abs(np.diff(motion.qpos, axis=0)).max(axis=1).min() > 0  # every tick moves something
+    np.testing.assert_allclose(motion.time_s[::physics_steps], motion.features[:, 0], atol=1e-12)
+    assert (
+        np.abs(np.diff(motion.qpos, axis=0)).max(axis=1).min() > 0
+    )  # every physics step moves something
     assert not motion.success
     assert motion.outcome == "had not reached the target after 2.00 s"
 
@@ -79,7 +81,7 @@ def test_a_puppet_stands_where_the_motion_says_before_the_variant_it_says(name):
     for motion in (*motions, motions[0]):
         puppet.follow(motion)
         data = puppet.at(0.2)
-        row = round(0.2 / CONFIG.robot.physics_tick_s)
+        row = round(0.2 / CONFIG.robot.physics_step_s)
         np.testing.assert_array_equal(data.qpos, motion.qpos[row])
         np.testing.assert_allclose(data.body("base").xpos, motion.qpos[row, :3], atol=1e-15)
         expected = block_positions(obstacle, CONFIG.course, np.array([motion.size_mm]))[0]
@@ -91,7 +93,7 @@ def test_a_puppet_stands_where_the_motion_says_before_the_variant_it_says(name):
 def test_in_a_motion_nothing_floats_and_nothing_enters_another(name):
     config, stored = EnvConfig(), stored_manoeuvres(name)
     hardest = stored[-1 if name == "step" else 0]
-    player = Player([hardest.manoeuvre], config.decision_interval_s)
+    player = Player([hardest.manoeuvre], config.step_s)
     obstacle = find_obstacle(name)
     motion = record_motion(
         obstacle, config, hardest.size_mm, lambda _, x_m: player.act(x_m), caption=""

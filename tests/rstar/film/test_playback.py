@@ -79,7 +79,7 @@ def test_a_window_shows_the_motion_until_it_is_closed(monkeypatch):
     play(MOTIONS, 1.0)
     window = FakeWindow.last
     assert window.closed
-    row = round(STEP_S / EnvConfig().robot.physics_tick_s)
+    row = round(STEP_S / EnvConfig().robot.physics_step_s)
     for qpos, caption in window.shown:
         np.testing.assert_array_equal(qpos, MOTIONS[0].qpos[row])
         assert caption[1].startswith("21 mm\n")

@@ -25,7 +25,7 @@ def phase(**changes):
 def test_targets_are_approached_at_the_limits_of_rate_and_then_held():
     player = Player([Manoeuvre(phases=(phase(fbem_deg=-7.2),))], 0.02)
     plan = np.array([player.act(np.zeros(1))[0] for _ in range(10)])
-    # 0.1 m/s at 1 m/s² take 0.1 s: five decisions. 7.2 deg at 80 deg/s take 0.09 s: 4.5 of them.
+    # 0.1 m/s at 1 m/s² take 0.1 s: five steps. 7.2 deg at 80 deg/s take 0.09 s: 4.5 of them.
     assert plan[:, 0] == pytest.approx([1, 1, 1, 1, 1, 0, 0, 0, 0, 0], abs=1e-9)
     assert plan[:, 1] == pytest.approx([-1, -1, -1, -1, -0.5, 0, 0, 0, 0, 0], abs=1e-9)
     assert plan[:, 2] == pytest.approx(np.zeros(10), abs=1e-9)
@@ -38,8 +38,8 @@ def test_phases_end_by_position_or_by_time_whichever_is_first():
     for x in [(-0.3, -0.3)] * 2 + [(-0.3, -0.05)] * 4 + [(-0.3, 0.2)] * 2:
         player.act(np.array(x))
         seen.append(player.phase.tolist())
-    # The first robot never moves: its first phase ends after five decisions of 0.02 s. The other
-    # passes −0.1 m at the third decision and 0.1 m at the seventh.
+    # The first robot never moves: its first phase ends after five steps of 0.02 s. The other
+    # passes −0.1 m at the third step and 0.1 m at the seventh.
     assert [first for first, _ in seen] == [0, 0, 0, 0, 0, 1, 1, 1]
     assert [second for _, second in seen] == [0, 0, 1, 1, 1, 1, 2, 2]
 
@@ -58,14 +58,14 @@ def test_a_manoeuvre_plays_the_same_in_the_search_and_in_the_environment():
         "narrow-channel", 1, config=config, autoreset_mode=AutoresetMode.DISABLED
     )
     obs, _ = env.reset(seed=0, options={"variant": 250.0, "start": "fixed"})
-    player = Player([manoeuvre], config.decision_interval_s)
+    player = Player([manoeuvre], config.step_s)
     for step in range(500):  # noqa: B007
         obs, _, terminated, _, infos = env.step(player.act(-0.3 * obs[:, 4]))
         if terminated[0]:
             break
     assert trials.success[0]
     assert infos["is_success"][0]
-    assert trials.time_s[0] == pytest.approx((step + 1) * config.decision_interval_s, abs=1e-9)
+    assert trials.time_s[0] == pytest.approx((step + 1) * config.step_s, abs=1e-9)
 
 
 def test_the_search_opens_a_channel_that_the_start_pose_does_not_fit():

@@ -22,7 +22,7 @@ def replayed(name, config):
     )
     sizes = np.array([found.size_mm for found in stored])
     obs, infos = env.reset(seed=0, options={"variant": sizes, "start": "fixed"})
-    player = Player([found.manoeuvre for found in stored], config.decision_interval_s)
+    player = Player([found.manoeuvre for found in stored], config.step_s)
     distance = 5 if name == "step" else 4
     running = np.ones(len(stored), dtype=bool)
     while running.any():
@@ -43,11 +43,11 @@ def test_every_variant_has_a_manoeuvre_that_succeeds_from_the_fixed_start_within
 
 
 @pytest.mark.parametrize("name", OBSTACLES)
-def test_halving_the_physics_tick_changes_no_outcome_where_the_margins_say_so(name):
-    tick = DEFAULT.robot.physics_tick_s / 2
-    finer = replace(DEFAULT, robot=replace(DEFAULT.robot, physics_tick_s=tick))
+def test_halving_the_physics_step_changes_no_outcome_where_the_margins_say_so(name):
+    physics_step_s = DEFAULT.robot.physics_step_s / 2
+    finer = replace(DEFAULT, robot=replace(DEFAULT.robot, physics_step_s=physics_step_s))
     success, _ = replayed(name, finer)
-    bear = np.array(["half tick" in found.bears for found in stored_manoeuvres(name)])
+    bear = np.array(["half physics step" in found.bears for found in stored_manoeuvres(name)])
     assert success[bear].all()  # whether others succeed may depend on the processor's rounding
     assert bear.sum() >= bear.size - 1
 

@@ -201,8 +201,8 @@ def test_servo_targets_of_both_sides_stay_equal_and_carriers_parallel_under_load
     model, data = on_floor(config)
     rng = np.random.default_rng(0)
     worst = 0.0
-    for tick in range(round(20.0 / config.physics_tick_s)):
-        if tick % round(0.2 / config.physics_tick_s) == 0:
+    for step in range(round(20.0 / config.physics_step_s)):
+        if step % round(0.2 / config.physics_step_s) == 0:
             rate = {"sprawl": rng.uniform(-1, 1), "fbem": rng.uniform(-1, 1)}
             drive = rng.uniform(-1, 1)
             for i in range(model.nu):
@@ -236,7 +236,7 @@ def test_mirrored_commands_give_mirrored_motion():
                 ):
                     servo = model.actuator(name).id
                     data.ctrl[servo] = rate * model.actuator_ctrlrange[servo, 1]
-            mujoco.mj_step(model, data, round(0.1 / config.physics_tick_s))
+            mujoco.mj_step(model, data, round(0.1 / config.physics_step_s))
             joints = [
                 data.joint(f"{side}_{part}").qpos[0]
                 for side in sides
@@ -259,7 +259,7 @@ def test_mirrored_commands_give_mirrored_motion():
         {"friction": -0.1},
         {"friction": float("nan")},
         {"mass_kg": 0.0},
-        {"physics_tick_s": 0.1},
+        {"physics_step_s": 0.1},
         {"constraint_time_s": 0.002},
         {"constraint_time_s": float("inf")},
         {"sprawl_torque_nm": 0.0},

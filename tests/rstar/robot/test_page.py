@@ -44,5 +44,7 @@ def test_extents_stand_in_the_table_as_the_closed_forms_give_them():
 
 def test_defaults_that_the_page_names_are_the_configurations():
     config = RobotConfig()
-    named = re.search(r"(\w+) at a friction of\s+([\d.]+), and ticks of ([\d.]+) ms", PAGE).groups()
-    assert named == (config.gear, f"{config.friction:g}", f"{config.physics_tick_s * 1e3:g}")
+    named = re.search(
+        r"(\w+) at a friction of\s+([\d.]+), and physics steps of ([\d.]+) ms", PAGE
+    ).groups()
+    assert named == (config.gear, f"{config.friction:g}", f"{config.physics_step_s * 1e3:g}")

@@ -8,10 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from surmount.report.results import Outcomes
+from surmount.report.evidence import Findings
+from surmount.report.outcomes import Outcomes
 from surmount.studies.paper.claims import claims_of
 from surmount.studies.paper.results import PAPER_RESULTS
 
+TASK = "rstar/step"
 STEP = PAPER_RESULTS["step"]
 SIZES = np.arange(21.0, 51.0)
 NETWORKS, REPETITIONS = 5, 30
@@ -45,12 +47,7 @@ def papers(size, kind):
 
 
 def results(reported_analysis, **tests):
-    return SimpleNamespace(
-        folder=SimpleNamespace(task="rstar/step"),
-        analysis=reported_analysis,
-        tests=tests,
-        comparison=None,
-    )
+    return Findings(analysis=reported_analysis, tests=tests, comparison=None)
 
 
 def analysis(boundaries, levels=3):
@@ -71,7 +68,7 @@ def analysis(boundaries, levels=3):
 
 
 def verdicts(found):
-    return {claim.claim: claim.verdict for claim in claims_of(found)}
+    return {claim.claim: claim.verdict for claim in claims_of(TASK, found)}
 
 
 def test_the_papers_own_numbers_reproduce_the_paper():
@@ -106,7 +103,9 @@ def test_a_difference_that_only_trials_show_is_partly_reproduced():
     curriculum = replace(control, success=lucky)
     (claim,) = [
         claim
-        for claim in claims_of(results(analysis([34, 47]), curriculum=curriculum, control=control))
+        for claim in claims_of(
+            TASK, results(analysis([34, 47]), curriculum=curriculum, control=control)
+        )
         if "medium" in claim.claim
     ]
     assert claim.verdict == "partly"
@@ -127,6 +126,4 @@ def test_groups_count_as_the_same_up_to_one_variant_for_each_boundary(boundaries
 
 
 def test_an_obstacle_that_the_paper_does_not_know_has_no_claims():
-    found = results(analysis([34]))
-    found.folder.task = "moat"
-    assert claims_of(found) == ()
+    assert claims_of("moat", results(analysis([34]))) == ()

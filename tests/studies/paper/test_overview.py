@@ -12,7 +12,6 @@ from surmount.cli.main import run
 from surmount.core.errors import InputError
 from surmount.report.pages import write_report
 from surmount.report.results import read_run
-from surmount.studies.paper.claims import claims_of
 from surmount.studies.paper.pages import write_overview
 from surmount.workflow.run_layout import ARMS
 
@@ -30,7 +29,7 @@ def test_the_page_holds_every_claim_and_the_evidence_over_all(roots, tmp_path):
     page = write_overview(roots, tmp_path)
     read = PageReader(page.read_text(encoding="utf-8"))
     assert read.problems == []
-    for claim in claims_of(read_run(roots[0])):
+    for claim in read_run(roots[0]).evidence.claims:
         for words in (claim.claim, claim.ours, claim.verdict, claim.reason):
             assert " ".join(words.split()) in read.text
     assert "Low entrance: no claim can be judged yet." in read.text

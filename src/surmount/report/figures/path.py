@@ -16,7 +16,7 @@ from surmount.report.document.text import integer, name_and_unit, number, short
 from surmount.report.figures.palette import ARM_STYLES, translucent
 from surmount.report.figures.plots import annotate, compact, hover, plain, plot
 from surmount.report.figures.stills import axes_grid
-from surmount.report.results import PATHS, Outcomes
+from surmount.report.outcomes import PATHS, Outcomes
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS
 

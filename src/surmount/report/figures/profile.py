@@ -16,8 +16,6 @@ from surmount.stats.profile import PerformanceProfile
 from surmount.workflow.run_layout import ARMS
 
 X_TITLE, Y_TITLE = "success rate", "share of networks and variants above"
-THRESHOLDS = np.linspace(0.0, 1.0, 101)[:-1]
-"""Success rates to exceed; nothing exceeds 1."""
 
 
 def profiles(found: Mapping[str, PerformanceProfile]) -> Figure:

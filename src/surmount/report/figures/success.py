@@ -14,7 +14,7 @@ from surmount.report.document.text import integer, number, p_value, percent, per
 from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, translucent
 from surmount.report.figures.plots import annotate, hover, plain, plot
 from surmount.report.figures.stills import axes_grid
-from surmount.report.results import Outcomes
+from surmount.report.outcomes import Outcomes
 from surmount.stats.proportions import proportion_intervals
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS, TRAININGS
@@ -97,7 +97,7 @@ def _pooled(rows: tuple[VariantSuccess, ...], curriculum: Curriculum) -> list[Su
     for row in rows:
         group = curriculum.group_of(np.asarray(row.variant))
         if group is not None:
-            totals[group] += [row.success.successes, row.success.trials]
+            totals[group] += [row.successes, row.trials]
     return [Success(successes=won, trials=tried) for won, tried in totals.tolist()]
 
 

@@ -136,15 +136,14 @@ def _add_curve(figure: go.Figure, kind: str, rows: tuple[VariantSuccess, ...]) -
     figure.add_trace(
         go.Scatter(
             x=x,
-            y=[row.success.rate for row in rows],
+            y=[row.rate for row in rows],
             mode="lines+markers",
             line={"color": style.colour, "width": 2, "dash": style.dash},
             marker={"symbol": style.marker, "size": 8, "color": style.colour},
             hovertext=[
                 hover(
                     f"{variant_label(row.variant)}, {style.name}",
-                    f"{integer(row.success.successes)} of {integer(row.success.trials)}: "
-                    f"{percent(row.success.rate, 1)}",
+                    f"{integer(row.successes)} of {integer(row.trials)}: {percent(row.rate, 1)}",
                     f"95 % interval {percent_interval(row.lower, row.upper, 1)}",
                 )
                 for row in rows
@@ -164,7 +163,7 @@ def _still(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> Stil
         style, rows = ARM_STYLES[kind], comparison.by_variant[kind]
         x = _positions(rows)
         lower, upper = [row.lower for row in rows], [row.upper for row in rows]
-        rates = [np.nan if row.success.rate is None else row.success.rate for row in rows]
+        rates = [np.nan if row.rate is None else row.rate for row in rows]
         ax.fill_between(x, lower, upper, color=style.colour, alpha=0.15, lw=0)
         ax.plot(x, rates, style.point, ls=style.line, color=style.colour, ms=4, label=style.name)
     if not spans:
@@ -190,7 +189,7 @@ def _data(comparison: Comparison, curriculum: Curriculum) -> Columns:
         for row in comparison.by_variant[kind]:
             group = curriculum.group_of(np.asarray(row.variant))
             values = (kind, *row.variant, None if group is None else curriculum.groups[group].name,
-                      row.success.successes, row.success.trials, row.success.rate,
+                      row.successes, row.trials, row.rate,
                       row.lower, row.upper)  # fmt: skip
             for column, value in zip(columns.values(), values, strict=True):
                 column.append(value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from surmount.analysis.result import Analysis
 from surmount.report.comparison import Comparison
@@ -15,17 +15,15 @@ from surmount.report.document.text import (
     reached,
     signed,
 )
+from surmount.report.evidence import Evidence
 from surmount.report.figures.palette import ARM_STYLES
-from surmount.report.figures.profile import THRESHOLDS, profiles
-from surmount.report.results import Outcomes
-from surmount.stats.bootstrap import Bootstrap
+from surmount.report.figures.profile import profiles
 from surmount.stats.evidence import SeedInterval
-from surmount.stats.profile import performance_profile
 from surmount.workflow.run_layout import ARMS
 
 
 def evidence_section(
-    analysis: Analysis | None, comparison: Comparison | None, tests: Mapping[str, Outcomes]
+    analysis: Analysis | None, comparison: Comparison | None, evidence: Evidence
 ) -> Section | None:
     """Show what the networks, rather than their trials, tell; ``None`` before the statistics."""
     if analysis is None or comparison is None:
@@ -37,17 +35,8 @@ def evidence_section(
         "narrow; the paired t-test's is the one to trust."
     )
     blocks: list[Block] = [Paragraph(text=text), _network_table(comparison)]
-    if all(arm in tests for arm in ARMS):
-        bootstrap = Bootstrap(seed=0)
-        name = "networks"  # one stratum: a run has one obstacle
-        blocks.append(
-            profiles(
-                {
-                    arm: performance_profile({name: tests[arm].scores()}, THRESHOLDS, bootstrap)
-                    for arm in ARMS
-                }
-            )
-        )
+    if evidence.profiles:
+        blocks.append(profiles(evidence.profiles))
     blocks.append(speed_table(analysis, comparison))
     return Section(anchor="evidence", title="Evidence over networks", blocks=tuple(blocks))
 

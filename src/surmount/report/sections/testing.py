@@ -23,7 +23,7 @@ from surmount.report.figures.path import path_lengths
 from surmount.report.figures.success import success_by_group
 from surmount.report.figures.survival import survival_curves
 from surmount.report.figures.variant import success_by_variant
-from surmount.report.results import Outcomes
+from surmount.report.outcomes import Outcomes
 from surmount.report.verdicts import (
     NOT_TESTABLE,
     UNTRAINED,

@@ -38,8 +38,8 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
     Observations are ``float32``: yaw, pitch (step only), FBEM angle, sprawl angle, tangential
     speed, distance to the obstacle, the servos' targets where they are observed, and the obstacle's
     size, each ``(value − centre) / scale``, clipped. Actions are speed, FBEM and sprawl, in
-    [−1, 1], clipped: rates of the three targets as fractions of their limits, held for a decision
-    interval and integrated at every physics tick; targets stay within their ranges. The tables with
+    [−1, 1], clipped: rates of the three targets as fractions of their limits, held for one
+    step and integrated at every physics step; targets stay within their ranges. The tables with
     symbols, units and ranges are in ``docs/environments.md``.
 
     Reward: eq. 6, see :class:`~surmount.rstar.course.rewards.Reward`. An episode ends when the base
@@ -107,10 +107,10 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
             **type(self).metadata,
-            "render_fps": round(1 / self.config.decision_interval_s),
+            "render_fps": round(1 / self.config.step_s),
             "autoreset_mode": self.autoreset_mode,
         }
-        self.decision_interval_s: float = self.config.decision_interval_s
+        self.step_s: float = self.config.step_s
         self.task_parameters: tuple[str, ...] = (self.obstacle.parameter,)
         self.feature_names: tuple[str, ...] = FEATURE_NAMES
         terms = observation_terms(self.obstacle, targets=self.config.observe_targets)
@@ -122,7 +122,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
 
         threads = choose_threads(n_threads, num_envs)
         self.simulation = Simulation(self.obstacle, self.config, num_envs, threads)
-        self._pictures = Pictures(self.simulation, render_mode, self.config.decision_interval_s)
+        self._pictures = Pictures(self.simulation, render_mode, self.config.step_s)
         self._distribution = TaskDistribution.uniform(
             self.task_parameters,
             np.array([self.obstacle.lower]),
@@ -233,7 +233,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
     def step(
         self, actions: npt.ArrayLike
     ) -> tuple[Observations, FloatArray, BoolArray, BoolArray, Infos]:
-        """Hold ``actions`` of shape ``(env, 3)`` for a decision interval in every environment."""
+        """Hold ``actions`` of shape ``(env, 3)`` for a step in every environment."""
         if self._measures is None:
             raise InputError("The environment has not been reset.", remedy="Call reset() first.")
         episodes, randomiser, before = self._episodes, self._randomiser, self._measures

@@ -123,7 +123,7 @@ class RewardConfig:
     """Weight of the change of the FBEM angle; the paper."""
     distance_unit_m: float = 0.01
     """Unit of D_z in m; assumed to be cm. What was learnt does not single it out: after 300,000
-    steps with decisions of 20 ms, m had overcome 100, 92 and 19 % of easy, medium and difficult
+    steps of 20 ms each, m had overcome 100, 92 and 19 % of easy, medium and difficult
     steps, cm 100, 96 and 31 % (ADR 21). ``docs/environments.md`` says what each unit costs a robot
     that is stuck."""
     distance_point: DistancePoint = field(default="body", metadata=absent("body"))
@@ -157,7 +157,7 @@ class EnvConfig:
     """An obstacle course: robot, course, starts, rewards and time."""
 
     robot: RobotConfig = field(default_factory=RobotConfig)
-    """The robot's open properties: gear, friction, servos, mass, physics tick."""
+    """The robot's open properties: gear, friction, servos, mass, physics step."""
     course: CourseConfig = field(default_factory=CourseConfig)
     """Dimensions of the course."""
     start: StartConfig = field(default_factory=StartConfig)
@@ -170,30 +170,30 @@ class EnvConfig:
     """Whether the targets of the speed, FBEM and sprawl servos are observed. They integrate the
     actions, and where the robot is blocked they run ahead of the measured angles, which a policy
     otherwise does not see; the paper's policy does not."""
-    decision_interval_s: float = 0.01
-    """Time between decisions in s, during which the action is re-applied at every physics tick:
-    chosen because success after the initiation then comes closest to the paper's table 1 (ADR 21).
+    step_s: float = 0.01
+    """Duration of a step in s, during which the action is re-applied at every physics step: chosen
+    because success after the initiation then comes closest to the paper's table 1 (ADR 21).
     The makers' simulation decides every 5 ms."""
     episode_s: float = 20.0
     """Cap of an episode in s; the paper."""
 
     def __post_init__(self) -> None:
-        require_range("decision_interval_s", self.decision_interval_s, 0.0005, 1.0)
-        require_range("episode_s", self.episode_s, self.decision_interval_s, 3600.0)
-        ticks = self.decision_interval_s / self.robot.physics_tick_s
-        if not math.isclose(ticks, round(ticks), rel_tol=1e-9) or round(ticks) < 1:
+        require_range("step_s", self.step_s, 0.0005, 1.0)
+        require_range("episode_s", self.episode_s, self.step_s, 3600.0)
+        ratio = self.step_s / self.robot.physics_step_s
+        if not math.isclose(ratio, round(ratio), rel_tol=1e-9) or round(ratio) < 1:
             raise ConfigError(
-                f"`decision_interval_s` is {self.decision_interval_s!r}, which is not a multiple "
-                f"of `robot.physics_tick_s` = {self.robot.physics_tick_s!r}.",
-                remedy="Give a whole number of physics ticks.",
+                f"`step_s` is {self.step_s!r}, which is not a multiple "
+                f"of `robot.physics_step_s` = {self.robot.physics_step_s!r}.",
+                remedy="Give a whole number of physics steps.",
             )
 
     @property
-    def ticks_per_decision(self) -> int:
-        """Physics ticks between two decisions."""
-        return round(self.decision_interval_s / self.robot.physics_tick_s)
+    def physics_steps_per_step(self) -> int:
+        """Physics steps in a step."""
+        return round(self.step_s / self.robot.physics_step_s)
 
     @property
     def steps_per_episode(self) -> int:
-        """Decisions until the cap: S_m of eq. 6."""
-        return math.ceil(self.episode_s / self.decision_interval_s - 1e-9)
+        """Steps until the cap: S_m of eq. 6."""
+        return math.ceil(self.episode_s / self.step_s - 1e-9)

@@ -1,4 +1,4 @@
-"""Actions that take effect some decisions after they were decided."""
+"""Actions that take effect some steps after they were decided."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ class DelayLine:
     num_envs, n_actions
         Number of environments and of entries of an action.
     longest
-        Longest delay in decisions.
+        Longest delay in steps.
 
     Attributes
     ----------
     waiting
         Last actions, shape ``(env, longest + 1, action)``, the newest first.
-    decisions
+    steps
         Delay of each environment's present episode, shape ``(env,)``.
     """
 
     def __init__(self, num_envs: int, n_actions: int, longest: int) -> None:
         self.waiting: FloatArray = np.zeros((num_envs, longest + 1, n_actions))
-        self.decisions: IntArray = np.zeros(num_envs, dtype=np.int64)
+        self.steps: IntArray = np.zeros(num_envs, dtype=np.int64)
         self._envs: IntArray = np.arange(num_envs)
 
-    def begin(self, env: int, decisions: int) -> None:
+    def begin(self, env: int, steps: int) -> None:
         """Forget an environment's actions and set its delay: until one arrives, zero is passed."""
         self.waiting[env] = 0.0
-        self.decisions[env] = decisions
+        self.steps[env] = steps
 
     def pass_on(self, actions: FloatArray, running: BoolArray | None) -> FloatArray:
         """Take the actions decided now and return those that take effect now, ``(env, action)``.
@@ -44,4 +44,4 @@ class DelayLine:
         self.waiting[chosen] = np.concatenate(
             [actions[chosen, None], self.waiting[chosen, :-1]], axis=1
         )
-        return self.waiting[self._envs, self.decisions]
+        return self.waiting[self._envs, self.steps]

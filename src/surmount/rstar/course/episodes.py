@@ -31,7 +31,7 @@ class Episodes:
     variant
         Task of the episode, shape ``(env, parameter)``.
     steps
-        Decisions taken, shape ``(env,)``.
+        Steps taken, shape ``(env,)``.
     path_deg
         Path lengths Σ|Δangle| of FBEM and sprawl (paper III-D), shape ``(2, env)``.
     terminated, truncated, success, diverged
@@ -39,7 +39,7 @@ class Episodes:
     completion_time_s
         Time to the target in s; the cap where it is not reached (paper III-D), shape ``(env,)``.
     interval_s, target_m
-        Time between decisions in s and position of the target line in m, as arrays of no dimension:
+        Time between steps in s and position of the target line in m, as arrays of no dimension:
         NumPy takes half as long again for an operation with a number (ADR 41).
     target_point_m
         Where each episode's distance is measured to, in m, shape ``(3, env)``: the middle of the
@@ -55,7 +55,7 @@ class Episodes:
         self._start_height_m = start_height_m(config)
         self.target_point_m: FloatArray = np.zeros((3, num_envs))
         self.target_point_m[0] = course.target_m
-        self.interval_s: FloatArray = np.array(config.decision_interval_s)
+        self.interval_s: FloatArray = np.array(config.step_s)
         self.target_m: FloatArray = np.array(course.target_m)
         self._lowest_m: FloatArray = np.array(-course.fall_depth_m)
         self._cap = config.steps_per_episode
@@ -69,7 +69,7 @@ class Episodes:
         self.diverged: BoolArray = np.zeros(num_envs, dtype=np.bool_)
         self.completion_time_s: FloatArray = np.full(num_envs, self._cap_s)
         self.any_over = False
-        self._decisions_left = 0
+        self._steps_left = 0
 
     def begin(self, envs: IntArray) -> None:
         """Begin an episode in each of ``envs``."""
@@ -86,14 +86,14 @@ class Episodes:
         diverged: BoolArray,
         running: BoolArray | None,
     ) -> BoolArray | None:
-        """Count a decision and judge what it led to.
+        """Count a step and judge what it led to.
 
         Parameters
         ----------
         now
-            What is measured after the decision.
+            What is measured after the step.
         change_deg
-            Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``; zero where
+            Absolute changes of FBEM and sprawl over the step, shape ``(2, env)``; zero where
             the environment was not running.
         diverged
             Simulations that diverged, shape ``(env,)``.
@@ -103,15 +103,15 @@ class Episodes:
         Returns
         -------
         BoolArray or None
-            Episodes that ended by this decision, shape ``(env,)``; None if no episode did.
+            Episodes that ended by this step, shape ``(env,)``; None if no episode did.
         """
         self.path_deg += change_deg
         self.steps += _ONE if running is None else running
-        self._decisions_left -= 1
+        self._steps_left -= 1
         reached = now.x_m >= self.target_m
         fell = now.z_m < self._lowest_m
         ended: BoolArray = reached | fell
-        if self._decisions_left <= 0:
+        if self._steps_left <= 0:
             ended |= self.steps >= self._cap
         ended |= diverged
         if running is not None:
@@ -134,7 +134,7 @@ class Episodes:
         """Work out what changes only when episodes begin or end."""
         over = self.over
         self.any_over = bool(over.any())
-        self._decisions_left = self._cap - int(self.steps[~over].max(initial=0))
+        self._steps_left = self._cap - int(self.steps[~over].max(initial=0))
         self.completion_time_s = np.where(self.success, self.steps * self.interval_s, self._cap_s)
         surface = surface_m(self._obstacle, self._course, self._course.target_m, self.variant[:, 0])
         self.target_point_m[2] = surface + self._start_height_m

@@ -92,13 +92,13 @@ class Measures:
 
 
 FEATURE_NAMES = ("time_s", "sprawl_deg", "fbem_deg", "distance_m")
-"""Features logged at every decision (paper II-A)."""
+"""Features logged at every step (paper II-A)."""
 
 
 def features(
     measures: Measures,
     steps: IntArray,
-    decision_interval_s: FloatArray | float,
+    step_s: FloatArray | float,
     target_point_m: FloatArray,
 ) -> FloatArray:
     """Return the logged features, shape ``(env, feature)``.
@@ -110,15 +110,15 @@ def features(
     measures
         What is measured.
     steps
-        Decisions since each episode began, shape ``(env,)``.
-    decision_interval_s
-        Time between decisions in s.
+        Steps since each episode began, shape ``(env,)``.
+    step_s
+        Time between steps in s.
     target_point_m
         Each environment's target point in m, shape ``(3, env)``; see
         :class:`~surmount.envs.episodes.Episodes`.
     """
     rows = np.empty((len(FEATURE_NAMES), steps.size))
-    np.multiply(steps, decision_interval_s, out=rows[0])
+    np.multiply(steps, step_s, out=rows[0])
     rows[1:3] = measures.joints_deg[::-1]
     offset_m = measures.position_m - target_point_m
     offset_m *= offset_m

@@ -22,7 +22,7 @@ FACTORS = (
 """Factors on the robot's dynamics, in the order in which they are drawn and reported."""
 
 LONGEST_DELAY = 100
-"""Decisions by which an action may be delayed at the most."""
+"""Steps by which an action may be delayed at the most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +49,8 @@ class RandomisationConfig:
     wheel_gain_factor: Range = (1.0, 1.0)
     """Range of the factor on the damping of all wheel servos, dimensionless; assumed constant, as
     in the paper. The bound that ``RobotConfig`` states for damping holds for the product."""
-    action_delay_decisions: tuple[int, int] = (0, 0)
-    """Range of the delay between a decision and its effect, in whole decisions; until the first
+    action_delay_steps: tuple[int, int] = (0, 0)
+    """Range of the delay between a step and its effect, in whole steps; until the first
     action arrives, the targets rest. The paper has none."""
     attitude_noise_deg: float = 0.0
     """Standard deviation of observed yaw and pitch in degrees; the paper has none."""
@@ -68,10 +68,10 @@ class RandomisationConfig:
             low, high = getattr(self, name)
             require_range(f"randomisation.{name}", low, 0.0, 10.0, open_low=True)
             require_range(f"randomisation.{name}", high, low, 10.0)
-        low, high = self.action_delay_decisions
+        low, high = self.action_delay_steps
         if not 0 <= low <= high <= LONGEST_DELAY:
             raise ConfigError(
-                f"`randomisation.action_delay_decisions` is {self.action_delay_decisions!r}.",
+                f"`randomisation.action_delay_steps` is {self.action_delay_steps!r}.",
                 remedy=f"Give two whole numbers from 0 to {LONGEST_DELAY}, the smaller one first.",
             )
         require_range("randomisation.attitude_noise_deg", self.attitude_noise_deg, 0.0, 90.0)
@@ -93,7 +93,7 @@ class RandomisationConfig:
     @property
     def delays(self) -> bool:
         """Whether actions may be late."""
-        return self.action_delay_decisions != (0, 0)
+        return self.action_delay_steps != (0, 0)
 
     @property
     def deviations(self) -> dict[str, float]:
@@ -118,7 +118,7 @@ class RandomisationConfig:
 
 
 def draw(config: RandomisationConfig, rng: np.random.Generator) -> tuple[FloatArray, int]:
-    """Draw an episode's factors, in the order of :data:`FACTORS`, and its delay in decisions.
+    """Draw an episode's factors, in the order of :data:`FACTORS`, and its delay in steps.
 
     All are drawn whenever anything is randomised, so that widening one range leaves the draws of
     the others as they were.
@@ -126,5 +126,5 @@ def draw(config: RandomisationConfig, rng: np.random.Generator) -> tuple[FloatAr
     ranges = np.array([getattr(config, name) for name in FACTORS])
     low, high = ranges[:, 0], ranges[:, 1]
     factors = low + rng.random(len(FACTORS)) * (high - low)
-    shortest, longest = config.action_delay_decisions
+    shortest, longest = config.action_delay_steps
     return factors, int(rng.integers(shortest, longest + 1))

@@ -49,7 +49,7 @@ class Randomiser:
         self.factors: FloatArray = np.ones((num_envs, len(FACTORS)))
         self.delay: DelayLine | None = None
         if config.delays:
-            self.delay = DelayLine(num_envs, n_actions, config.action_delay_decisions[1])
+            self.delay = DelayLine(num_envs, n_actions, config.action_delay_steps[1])
         self.noise: FloatArray | None = None
         if config.is_noisy:
             self.noise = np.zeros((len(terms), num_envs))
@@ -81,7 +81,7 @@ class Randomiser:
         if self._dynamics is not None:
             infos["dynamics"] = self.factors.copy()
         if self.delay is not None:
-            infos["action_delay"] = self.delay.decisions.copy()
+            infos["action_delay"] = self.delay.steps.copy()
         return infos
 
     def state_dict(self) -> dict[str, Any]:
@@ -89,7 +89,7 @@ class Randomiser:
         state: dict[str, Any] = {"dynamics": self.factors.copy()}
         if self.delay is not None:
             state["delayed_actions"] = self.delay.waiting.copy()
-            state["delay"] = self.delay.decisions.copy()
+            state["delay"] = self.delay.steps.copy()
         if self.noise is not None:
             state["noise"] = self.noise.copy()
         return state
@@ -101,6 +101,6 @@ class Randomiser:
             self._dynamics.put(list(range(len(self.factors))), self.factors)
         if self.delay is not None:
             self.delay.waiting[:] = state["delayed_actions"]
-            self.delay.decisions[:] = state["delay"]
+            self.delay.steps[:] = state["delay"]
         if self.noise is not None:
             self.noise[:] = state["noise"]

@@ -62,7 +62,7 @@ class Reward:
     def motion(self, change_deg: FloatArray) -> FloatArray:
         """Return −0.005 · (|Δsprawl| + |ΔFBEM|).
 
-        ``change_deg`` holds |ΔFBEM| and |Δsprawl| since the previous decision, shape ``(2, env)``.
+        ``change_deg`` holds |ΔFBEM| and |Δsprawl| since the previous step, shape ``(2, env)``.
         """
         cost = self._sprawl_weight * change_deg[1]
         cost += self._fbem_weight * change_deg[0]
@@ -79,10 +79,10 @@ class Reward:
         Parameters
         ----------
         now
-            What is measured after the decision. D_z is measured from the carriers where their
+            What is measured after the step. D_z is measured from the carriers where their
             position is among it, else from the base.
         change_deg
-            Absolute changes of FBEM and sprawl over the decision, shape ``(2, env)``.
+            Absolute changes of FBEM and sprawl over the step, shape ``(2, env)``.
         """
         point_m = now.x_m if now.carrier_x_m is None else now.carrier_x_m
         left_m = self._target_m - point_m

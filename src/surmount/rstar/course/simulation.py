@@ -55,7 +55,7 @@ class Simulation:
         self.batch = Batch(self.model, num_envs, min(n_threads, num_envs))
         self._obstacle = obstacle
         self._config = config
-        self._ticks = config.ticks_per_decision
+        self._ticks = config.physics_steps_per_step
         self._qpos: FloatArray = self.batch.bind("qpos")
         self._qvel: FloatArray = self.batch.bind("qvel")
         self._act: FloatArray = self.batch.bind("act")
@@ -83,14 +83,14 @@ class Simulation:
         return np.array(actions), self.model.actuator_ctrlrange[:, 1].copy()
 
     def advance(self, actions: FloatArray, running: BoolArray | None = None) -> BoolArray:
-        """Hold actions for one decision interval.
+        """Hold actions for one step.
 
         Parameters
         ----------
         actions
             Fractions of the rate limits in [−1, 1], shape ``(env, 3)``, ordered as
             :data:`~surmount.rstar.course.actions.ACTIONS`. Every servo integrates its rate at each
-            physics tick.
+            physics step.
         running
             Simulations to advance, shape ``(env,)``, or None for all; the others keep their state,
             at no cost.

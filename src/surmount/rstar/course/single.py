@@ -79,7 +79,7 @@ class ObstacleEnv(Env[Observations, npt.NDArray[Any]]):
         return observation[0], _first(infos)
 
     def step(self, action: npt.ArrayLike) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
-        """Hold ``action`` of shape ``(3,)`` for a decision interval."""
+        """Hold ``action`` of shape ``(3,)`` for a step."""
         observation, reward, terminated, truncated, infos = self._vector.step(
             np.asarray(action)[None]
         )

@@ -159,7 +159,7 @@ def _by_script(wanted: Wanted, path: Path | None) -> Iterator[Motion]:
             manoeuvre, caption = stored.manoeuvre, f"stored manoeuvre for {stored.size_mm:g} mm"
         else:
             manoeuvre, caption = _read_manoeuvre(path), f"manoeuvre {path.name}"
-        pilot = _script(Player([manoeuvre], config.decision_interval_s))
+        pilot = _script(Player([manoeuvre], config.step_s))
         yield record_motion(obstacle, config, size_mm, pilot, caption=caption)
 
 

@@ -110,10 +110,10 @@ def logged_motion(log: Log, trial: int) -> Motion:
 
 def _in_the_plane(motion: Motion) -> FloatArray:
     """Return a motion's features with the distance in the horizontal plane, shape ``(step, 4)``."""
-    at_decisions = motion.qpos[:: motion.config.ticks_per_decision, :2]
-    if len(at_decisions) < len(motion.features):  # the last decision diverged and was undone
-        at_decisions = np.concatenate([at_decisions, at_decisions[-1:]])
-    x_m, y_m = at_decisions.T
+    at_steps = motion.qpos[:: motion.config.physics_steps_per_step, :2]
+    if len(at_steps) < len(motion.features):  # the last step diverged and was undone
+        at_steps = np.concatenate([at_steps, at_steps[-1:]])
+    x_m, y_m = at_steps.T
     square = motion.config.course.target_m - x_m
     square *= square
     square += y_m * y_m

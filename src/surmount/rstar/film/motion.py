@@ -53,7 +53,7 @@ class Motion:
     qpos
         Joint positions at these times, shape ``(moment, coordinate)``.
     features
-        Features at every decision, as logged by roll-outs, shape ``(decision, feature)``.
+        Features at every step, as logged by roll-outs, shape ``(step, feature)``.
     """
 
     obstacle: Obstacle
@@ -83,7 +83,7 @@ def record_motion(
     stream: int = 0,
     longest_s: float = float("inf"),
 ) -> Motion:
-    """Simulate an episode from the fixed start and keep its motion, at every physics tick.
+    """Simulate an episode from the fixed start and keep its motion, at every physics step.
 
     Parameters
     ----------
@@ -125,9 +125,9 @@ def record_motion(
         ended = bool(terminated[0] | truncated[0])
         if infos["diverged"][0]:
             break  # put back to where it was
-        # The batch shows no ticks within a decision: repeat them, to the same bits (tested).
+        # The batch shows no physics steps within a step: repeat them, to the same bits (tested).
         data.ctrl[:] = controls[0]
-        for _ in range(config.ticks_per_decision):
+        for _ in range(config.physics_steps_per_step):
             mujoco.mj_step(model, data)
             qpos.append(data.qpos.copy())
     env.close()
@@ -138,7 +138,7 @@ def record_motion(
         caption=caption,
         outcome=_outcome(infos, ended=ended, time_s=float(features[-1][0])),
         success=bool(infos["is_success"][0]),
-        time_s=np.arange(len(qpos), dtype=np.float64) * config.robot.physics_tick_s,
+        time_s=np.arange(len(qpos), dtype=np.float64) * config.robot.physics_step_s,
         qpos=np.array(qpos),
         features=np.array(features),
     )

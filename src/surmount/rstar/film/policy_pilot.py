@@ -74,7 +74,7 @@ class PolicyPilot:
         self._noise_shape = (trials, *(env.single_action_space.shape or ()))
 
     def __call__(self, observations: Observations, x_m: FloatArray) -> FloatArray:
-        """Return the actions of this decision, shape ``(1, 3)``."""
+        """Return the actions of this step, shape ``(1, 3)``."""
         del x_m
         noise = None
         if self._rng is not None:

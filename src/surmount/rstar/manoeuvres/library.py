@@ -41,8 +41,8 @@ class Condition:
     ----------
     name
         What differs from the default.
-    tick_factor
-        Factor on the physics tick.
+    physics_step_factor
+        Factor on the physics step.
     friction_factor
         Factor on the friction of tyres and spokes.
     harder_mm
@@ -50,14 +50,14 @@ class Condition:
     """
 
     name: str
-    tick_factor: float = 1.0
+    physics_step_factor: float = 1.0
     friction_factor: float = 1.0
     harder_mm: float = 0.0
 
 
 CONDITIONS = (
     Condition(name="default"),
-    Condition(name="half tick", tick_factor=0.5),
+    Condition(name="half physics step", physics_step_factor=0.5),
     Condition(name="less friction", friction_factor=1 - FRICTION_MARGIN),
     Condition(name="more friction", friction_factor=1 + FRICTION_MARGIN),
     Condition(name="harder", harder_mm=SIZE_MARGIN_MM),
@@ -84,7 +84,7 @@ class Examiner:
                 env,
                 robot=replace(
                     env.robot,
-                    physics_tick_s=env.robot.physics_tick_s * condition.tick_factor,
+                    physics_step_s=env.robot.physics_step_s * condition.physics_step_factor,
                     friction=env.robot.friction * condition.friction_factor,
                 ),
             )
@@ -132,7 +132,7 @@ def build_library(
     """Find and choose a manoeuvre for every variant of an obstacle, from easy to hard.
 
     Of the package's own manoeuvres, those made by hand, those chosen for easier neighbours and
-    those that searches find, the one is taken that succeeds at the default tick and at half of it
+    those that searches find, the one is taken that succeeds at the default physics step and at half
     and bears most of the other conditions; of equals the fastest. What is at hand is tried first.
 
     Parameters

@@ -100,11 +100,11 @@ class Player:
     ----------
     manoeuvres
         One per environment, all begun at the fixed start pose.
-    decision_interval_s
-        Time between two decisions in s.
+    step_s
+        Time between two steps in s.
     """
 
-    def __init__(self, manoeuvres: Sequence[Manoeuvre], decision_interval_s: float) -> None:
+    def __init__(self, manoeuvres: Sequence[Manoeuvre], step_s: float) -> None:
         longest = max(len(manoeuvre.phases) for manoeuvre in manoeuvres)
         rows = [
             [list(asdict(phase).values()) for phase in manoeuvre.phases] for manoeuvre in manoeuvres
@@ -114,7 +114,7 @@ class Player:
         self._targets: FloatArray = table[:, :, :3]
         self._until_x_m: FloatArray = table[:, :, 3]
         self._at_most_s: FloatArray = table[:, :, 4]
-        self._interval_s = decision_interval_s
+        self._interval_s = step_s
         self._envs: IntArray = np.arange(len(rows))
         self._phase: IntArray = np.zeros(len(rows), dtype=np.int64)
         self._in_phase_s: FloatArray = np.zeros(len(rows))
@@ -126,7 +126,7 @@ class Player:
         return self._phase
 
     def act(self, x_m: FloatArray) -> FloatArray:
-        """Return the actions of this decision, in [−1, 1], shape ``(env, 3)``.
+        """Return the actions of this step, in [−1, 1], shape ``(env, 3)``.
 
         Parameters
         ----------

@@ -116,7 +116,7 @@ def try_out(
     start = fixed_start(config)
     for env in range(count):
         simulation.place(env, float(sizes_mm[env]), start)
-    player = Player(manoeuvres, config.decision_interval_s)
+    player = Player(manoeuvres, config.step_s)
     envs = simulation.batch.state.shape[0]
     running = np.arange(envs) < count
     success = np.zeros(envs, dtype=np.bool_)
@@ -124,13 +124,13 @@ def try_out(
     progress_m = np.full(envs, -np.inf)
     gained_s = np.zeros(envs)
     actions = np.zeros((envs, 3))
-    elapsed_s, decisions = 0.0, round(horizon_s / config.decision_interval_s)
+    elapsed_s, steps = 0.0, round(horizon_s / config.step_s)
     measures = simulation.measure()
-    for decision in range(decisions):
+    for step in range(steps):
         actions[:count] = player.act(measures.x_m[:count])
         running &= ~simulation.advance(actions, running)
         measures = simulation.measure()
-        elapsed_s = (decision + 1) * config.decision_interval_s
+        elapsed_s = (step + 1) * config.step_s
         now_m = _progress_m(measures)
         gained_s[now_m > progress_m + STALL_M] = elapsed_s
         progress_m = np.where(running, np.maximum(progress_m, now_m), progress_m)

@@ -1,4 +1,4 @@
-"""What the sources leave open about the robot: fitted gear, friction, servos, mass and tick."""
+"""What the sources leave open about the robot: gear, friction, servos, mass, physics step."""
 
 from __future__ import annotations
 
@@ -49,10 +49,10 @@ class RobotConfig:
     The servo gains let a robot of the default mass, standing in its start pose, sag by less than
     1°, and their torque limits exceed what standing and driving need at every sprawl.
 
-    Damping must stay below about half a joint's inertia per tick: MuJoCo's ``implicitfast``
+    Damping must stay below about half a joint's inertia per physics step: MuJoCo's ``implicitfast``
     integrates it implicitly, but computes contact forces without it, so that beyond this tyres
-    would push with forces that the wheels never feel (with 0.2 N m s/rad on 1e-4 kg m² and ticks
-    of 5 ms the robot outran its own wheels by 40 mm/s).
+    would push with forces that the wheels never feel (with 0.2 N m s/rad on 1e-4 kg m² and steps of
+    5 ms the robot outran its own wheels by 40 mm/s).
     """
 
     gear: Gear = "wheels"
@@ -65,13 +65,13 @@ class RobotConfig:
     """Sliding friction of body, bars and nubs against everything, coefficient; assumed."""
     mass_kg: float = SIMULATION_MASS_KG
     """Total mass in kg, the parts keeping the simulation's fractions; the simulation's sum."""
-    physics_tick_s: float = 0.0025
+    physics_step_s: float = 0.0025
     """Physics time step in s: the longest at which outcomes have converged (ADR 20). The makers'
-    simulation ticks at 1 ms."""
+    simulation steps at 1 ms."""
     constraint_time_s: float = 0.01
     """Time constant of contacts, stops and parallelograms in s, critically damped (the first number
-    of MuJoCo's ``solref``); assumed: the shortest that the default tick resolves. A property of the
-    robot, not of the integration: a shorter tick leaves it as it is (ADR 20)."""
+    of MuJoCo's ``solref``); assumed: the shortest that the default physics step resolves. A
+    property of the robot, not of the integration: a shorter step leaves it as it is (ADR 20)."""
     sprawl_stiffness_nmprad: float = 100.0
     """Sprawl servo: torque per angle error in N m/rad, each side; assumed."""
     sprawl_damping_nmsprad: float = 2.0
@@ -101,13 +101,13 @@ class RobotConfig:
         require_range("friction", self.friction, 0.0, 5.0)
         require_range("body_friction", self.body_friction, 0.0, 5.0)
         require_range("mass_kg", self.mass_kg, 0.1, 20.0)
-        require_range("physics_tick_s", self.physics_tick_s, 0.0001, 0.01)
+        require_range("physics_step_s", self.physics_step_s, 0.0001, 0.01)
         require_range("constraint_time_s", self.constraint_time_s, 0.0, 0.1)
-        if self.constraint_time_s < 2 * self.physics_tick_s:
+        if self.constraint_time_s < 2 * self.physics_step_s:
             raise ConfigError(
-                f"`constraint_time_s` is {self.constraint_time_s!r}, less than two ticks of "
-                f"{self.physics_tick_s!r} s: no contact as stiff can be integrated.",
-                remedy=f"Give at least {2 * self.physics_tick_s:g}, or shorten the tick.",
+                f"`constraint_time_s` is {self.constraint_time_s!r}, less than two physics "
+                f"steps of {self.physics_step_s!r} s: no contact as stiff can be integrated.",
+                remedy=f"Give at least {2 * self.physics_step_s:g}, or shorten the physics step.",
             )
         positive = (
             "sprawl_stiffness_nmprad",

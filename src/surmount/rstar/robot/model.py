@@ -6,9 +6,9 @@ along with the front one, so the four bars stay a parallelogram and the carrier 
 body.
 
 Commands live in the simulation state: every servo integrates a *rate* (its control) into a target
-(its activation), clamped to the paper's range, at every physics tick. Holding a control for some
-ticks is therefore the paper's action re-applied at each of them, and both sides' targets, fed
-alike, stay equal to the last bit.
+(its activation), clamped to the paper's range, at every physics step. Holding a control for some
+of them is therefore the paper's action re-applied at each, and both sides' targets, fed alike, stay
+equal to the last bit.
 
 The robot's parts cannot touch one another by construction (a test measures the distances over the
 whole range), so its geoms collide with the world alone.
@@ -46,7 +46,7 @@ def add_robot(spec: mujoco.MjSpec, config: RobotConfig) -> None:
     """
     spec.compiler.degree = False
     option = spec.option
-    option.timestep = config.physics_tick_s
+    option.timestep = config.physics_step_s
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     # A diverged state must be seen and reported, not replaced by the initial one.
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

@@ -6,8 +6,7 @@ The rules for verdicts were written before any run at the paper's scale was look
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -24,8 +23,16 @@ from surmount.report.document.text import (
     significant,
     variant_range,
 )
-from surmount.report.results import Outcomes, RunResults
-from surmount.report.verdicts import NO_DIFFERENCE, NOT_TESTABLE, UNTRAINED, time_verdict
+from surmount.report.evidence import Findings
+from surmount.report.outcomes import Outcomes
+from surmount.report.verdicts import (
+    NO_DIFFERENCE,
+    NOT_TESTABLE,
+    UNTRAINED,
+    Claim,
+    Verdict,
+    time_verdict,
+)
 from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.differences import network_difference
 from surmount.stats.evidence import bootstrap_interval
@@ -38,7 +45,6 @@ from surmount.studies.paper.results import (
 )
 from surmount.workflow.run_layout import ARMS, INITIATION
 
-Verdict = Literal["reproduced", "partly", "not reproduced", "open"]
 NEAR = 0.10
 """Success rates this near count as partly the same."""
 MASTERED, UNLEARNT = 0.95, 0.05
@@ -47,47 +53,23 @@ SEED = 0
 """Seed of the bootstrap over networks."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Claim:
-    """One claim of the paper and what a run says to it.
-
-    Attributes
-    ----------
-    claim
-        What it is about.
-    paper, ours
-        What the paper prints and what the run shows, in words.
-    verdict
-        ``"open"`` where the run has not come so far, or there is nothing to compare.
-    reason
-        What the verdict rests on.
-    """
-
-    claim: str
-    paper: str
-    ours: str
-    verdict: Verdict
-    reason: str
-
-
-def claims_of(results: RunResults) -> tuple[Claim, ...]:
-    """Go through every claim of the paper on the run's obstacle; none where there are none."""
-    paper = paper_result(results.folder.task)
-    if paper is None or results.analysis is None:
+def claims_of(task: str, findings: Findings) -> tuple[Claim, ...]:
+    """Go through every claim of the paper on an obstacle; none where there are none."""
+    paper, analysis, tests = paper_result(task), findings.analysis, findings.tests
+    if paper is None or analysis is None:
         return ()
-    tests = results.tests
-    sizes_mm = results.analysis.variants[:, 0]
+    sizes_mm = analysis.variants[:, 0]
     groups = [group for group in paper.groups if group.holds(sizes_mm).any()]
-    claims = [_groups(paper, results.analysis), _levels(paper, results.analysis)]
+    claims = [_groups(paper, analysis), _levels(paper, analysis)]
     if INITIATION in tests:
         claims += [_initiation(group, tests[INITIATION]) for group in groups]
     of_arms: list[Claim] = []
     if all(arm in tests for arm in ARMS):
         before = tests.get(INITIATION)
         of_arms += [_success(group, tests[ARMS[0]], tests[ARMS[1]], before) for group in groups]
-    if results.comparison is not None:
-        of_arms.append(_survival(results.comparison))
-    if results.analysis.curriculum.n_levels == 0:
+    if findings.comparison is not None:
+        of_arms.append(_survival(findings.comparison))
+    if analysis.curriculum.n_levels == 0:
         of_arms = [_untrained(claim) for claim in of_arms]
     return (*claims, *of_arms)
 

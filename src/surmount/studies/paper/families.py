@@ -11,6 +11,12 @@ from surmount.rstar.family import ObstacleFamily
 class PaperFamily(ObstacleFamily):
     """One of RSTAR's obstacles whose page has a section with the paper's numbers."""
 
+    def claims(self, findings: Any) -> tuple[Any, ...]:
+        """Return the paper's claims, one by one, with what a run says to each."""
+        from surmount.studies.paper.claims import claims_of  # noqa: PLC0415 - SciPy's statistics
+
+        return claims_of(self.name, findings)
+
     def page_sections(self, results: Any) -> list[Any]:
         """Return the paper's own numbers beside those of a run."""
         from surmount.studies.paper.section import paper_section  # noqa: PLC0415 - draws figures

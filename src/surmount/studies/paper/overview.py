@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
-from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.report.document.parts import (
     Block,
@@ -18,24 +18,25 @@ from surmount.report.document.parts import (
     Table,
 )
 from surmount.report.document.text import counted, duration, integer, listed, number
-from surmount.report.figures.profile import THRESHOLDS, profiles
+from surmount.report.figures.profile import profiles
 from surmount.report.figures.success import success_by_group
 from surmount.report.figures.variant import success_by_variant
 from surmount.report.results import RunResults
 from surmount.report.sections.evidence import evidence_row, evidence_table
 from surmount.report.sections.grouping import group_table, level_table
 from surmount.report.sections.summary import notices
-from surmount.report.verdicts import UNTRAINED
+from surmount.report.verdicts import UNTRAINED, Claim
 from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.evidence import (
+    SeedInterval,
     bootstrap_interval,
     difference_interval,
     probability_of_improvement,
 )
-from surmount.stats.profile import performance_profile
-from surmount.studies.paper.claims import Claim, claims_of
+from surmount.stats.profile import THRESHOLDS, PerformanceProfile, performance_profile
+from surmount.stats.result import Result
 from surmount.studies.paper.section import claim_table
-from surmount.workflow.run_layout import ARMS
+from surmount.workflow.run_layout import ARMS, SCHEMA
 
 VERDICTS = ("reproduced", "partly", "not reproduced", "open")
 SEED = 0
@@ -56,11 +57,11 @@ def overview_of(runs: Sequence[RunResults]) -> Document:
             f"Two of the runs are on the same obstacle: {listed(names)}.",
             remedy="Give one run for each obstacle.",
         )
-    claims = {_name(run): claims_of(run) for run in runs}
+    claims = {_name(run): run.evidence.claims for run in runs}
     sections = [_obstacle(run, claims[_name(run)]) for run in runs]
-    together = _together(runs)
-    if together is not None:
-        sections.insert(0, together)
+    over_all = together(runs)
+    if over_all is not None:
+        sections.insert(0, _together(over_all, runs))
     return Document(
         title="RSTAR's obstacles, claim by claim",
         subtitle="What a reproduction at this scale says to the paper's results",
@@ -75,6 +76,18 @@ def overview_of(runs: Sequence[RunResults]) -> Document:
         ),
         sections=(*sections, _effort(runs)),
     )
+
+
+def overview_record(runs: Sequence[RunResults]) -> dict[str, Any]:
+    """Return what the page of several runs concludes, in JSON form."""
+    over_all = together(runs)
+    return {
+        "schema": SCHEMA,
+        "claims": {
+            _name(run): [claim.to_record() for claim in run.evidence.claims] for run in runs
+        },
+        "together": None if over_all is None else over_all.to_record(),
+    }
 
 
 def _notices(runs: Sequence[RunResults]) -> list[Notice]:
@@ -141,45 +154,71 @@ def _of_obstacle(figure: Figure, run: RunResults) -> Figure:
 # All obstacles together ------------------------------------------------------------------------
 
 
-def _together(runs: Sequence[RunResults]) -> Section | None:
-    """Summarise over networks, each obstacle being a stratum with networks of its own."""
-    tested = [run for run in runs if all(arm in run.tests for arm in ARMS)]
-    untrained = [run for run in tested if _untrained(run)]
-    finished = [run for run in tested if run not in untrained]
-    if not finished:
+@dataclass(frozen=True, kw_only=True)
+class Together(Result):
+    """What all obstacles say together, each being a stratum with networks of its own.
+
+    Attributes
+    ----------
+    obstacles
+        Those that count: both arms were tested, and there was something to learn.
+    interquartile_mean, profiles
+        Of the success rates over networks, by arm.
+    difference, probability_of_improvement
+        Curriculum against control.
+    """
+
+    obstacles: tuple[str, ...]
+    interquartile_mean: Mapping[str, SeedInterval]
+    difference: SeedInterval
+    probability_of_improvement: SeedInterval
+    profiles: Mapping[str, PerformanceProfile]
+
+
+def together(runs: Sequence[RunResults]) -> Together | None:
+    """Summarise over networks and obstacles; ``None`` before both arms of one were tested."""
+    counted_in = [run for run in _tested(runs) if not _untrained(run)]
+    if not counted_in:
         return None
-    scores: dict[str, dict[str, FloatArray]] = {
-        arm: {_name(run): run.tests[arm].scores() for run in finished} for arm in ARMS
-    }
+    scores = {arm: {_name(run): run.tests[arm].scores() for run in counted_in} for arm in ARMS}
     bootstrap = Bootstrap(seed=SEED)
     first, second = (scores[arm] for arm in ARMS)
+    return Together(
+        obstacles=tuple(map(_name, counted_in)),
+        interquartile_mean={arm: bootstrap_interval(own, bootstrap) for arm, own in scores.items()},
+        difference=difference_interval(first, second, bootstrap, paired=True),
+        probability_of_improvement=probability_of_improvement(
+            first, second, bootstrap, paired=True
+        ),
+        profiles={
+            arm: performance_profile(own, THRESHOLDS, bootstrap) for arm, own in scores.items()
+        },
+    )
+
+
+def _together(found: Together, runs: Sequence[RunResults]) -> Section:
     rows = [
-        evidence_row(f"success, interquartile mean, {arm}", bootstrap_interval(own, bootstrap))
-        for arm, own in scores.items()
+        *(
+            evidence_row(f"success, interquartile mean, {arm}", found.interquartile_mean[arm])
+            for arm in ARMS
+        ),
+        evidence_row("difference, curriculum − control", found.difference, "points"),
+        evidence_row("probability of improvement", found.probability_of_improvement),
     ]
-    rows.append(
-        evidence_row(
-            "difference, curriculum − control",
-            difference_interval(first, second, bootstrap, paired=True),
-            "points",
-        )
-    )
-    rows.append(
-        evidence_row(
-            "probability of improvement",
-            probability_of_improvement(first, second, bootstrap, paired=True),
-        )
-    )
     note = (
         "Stratified bootstrap: networks are redrawn within their obstacle. Rates of all "
         "variants count alike, so obstacles with more variants count more."
     )
-    left_out = [f"{_title(run)} is left out. {UNTRAINED}" for run in untrained]
+    left_out = [
+        f"{_title(run)} is left out. {UNTRAINED}" for run in _tested(runs) if _untrained(run)
+    ]
     table = evidence_table("Success over networks, all obstacles", rows, (note, *left_out))
-    figure = profiles(
-        {arm: performance_profile(own, THRESHOLDS, bootstrap) for arm, own in scores.items()}
-    )
-    return Section(anchor="together", title="All obstacles together", blocks=(table, figure))
+    blocks = (table, profiles(found.profiles))
+    return Section(anchor="together", title="All obstacles together", blocks=blocks)
+
+
+def _tested(runs: Sequence[RunResults]) -> list[RunResults]:
+    return [run for run in runs if all(arm in run.tests for arm in ARMS)]
 
 
 def _untrained(run: RunResults) -> bool:

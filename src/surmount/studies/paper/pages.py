@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from surmount.core.records import write_record
 from surmount.report.pages import extras_told
 
 
 def write_overview(roots: Sequence[Path | str], out: Path | str) -> Path:
-    """Write ``report.html``, ``report.md`` and ``figures/`` over several runs, one per obstacle.
+    """Write a page over several runs, one per obstacle: ``report.html``, and beside it the rest.
+
+    The rest is ``report.md``, ``report.json`` with every claim and statistic, and ``figures/``.
 
     Parameters
     ----------
@@ -31,6 +34,9 @@ def write_overview(roots: Sequence[Path | str], out: Path | str) -> Path:
     with extras_told():
         from surmount.report.results import read_run  # noqa: PLC0415 - an extra
         from surmount.report.writing import write_document  # noqa: PLC0415
-        from surmount.studies.paper.overview import overview_of  # noqa: PLC0415
+        from surmount.studies.paper.overview import overview_of, overview_record  # noqa: PLC0415
 
-        return write_document(overview_of([read_run(Path(root)) for root in roots]), Path(out))
+        runs = [read_run(Path(root)) for root in roots]
+        page = write_document(overview_of(runs), Path(out))
+        write_record(page.with_suffix(".json"), overview_record(runs))
+        return page

@@ -17,8 +17,7 @@ from surmount.report.document.text import (
     variant_range,
 )
 from surmount.report.results import RunResults
-from surmount.report.verdicts import because, success_verdict, time_verdict
-from surmount.studies.paper.claims import Claim, claims_of
+from surmount.report.verdicts import Claim, because, success_verdict, time_verdict
 from surmount.studies.paper.results import (
     SOURCE,
     SURVIVAL_CLAIM,
@@ -102,7 +101,7 @@ def paper_section(results: RunResults) -> Section | None:
         text="The robot of the paper lives in another simulator, and several of its settings are "
         f"not printed; {counted(folder.networks, 'network')} per arm were trained here."
     )
-    claims = claims_of(results)
+    claims = results.evidence.claims
     tables = (claim_table(claims), table) if claims else (table,)
     return Section(anchor="paper", title="Beside the paper", blocks=(*blocks, intro, *tables))
 

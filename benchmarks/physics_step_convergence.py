@@ -1,9 +1,9 @@
-"""Which physics tick is short enough: outcomes of the same manoeuvres at several ticks (ADR 20).
+"""Which physics step is short enough: outcomes of manoeuvres at several of them (ADR 20).
 
-    OMP_NUM_THREADS=1 python benchmarks/tick_convergence.py --frictions 1.3
+    OMP_NUM_THREADS=1 python benchmarks/physics_step_convergence.py --frictions 1.3
 
 A family of manoeuvres is drawn around those made by hand, each with a step of 30 to 46 mm. None is
-chosen by its success, which would favour the tick that it was tried at. A tick is short enough
+chosen by its success, which would favour the physics step that it was tried at. One is short enough
 where its success rate does not differ from that at a quarter of it, contacts staying as stiff as
 they are (exact McNemar test on the same manoeuvres, 5 %). Prints Markdown; takes 20 minutes a
 friction.
@@ -26,7 +26,7 @@ from surmount.rstar.manoeuvres.templates import templates
 
 TICKS_MS = (5.0, 2.5, 1.25, 0.625, 0.3125)
 QUARTER = 2
-"""Places in the list to a quarter of a tick."""
+"""Places in the list to a quarter of a physics step."""
 SIZES_MM = (30.0, 34.0, 38.0, 42.0, 46.0)
 COUNT, HORIZON_S = 480, 12.0
 FIELDS = ("speed_mps", "fbem_deg", "sprawl_deg", "until_x_m", "at_most_s")
@@ -56,8 +56,8 @@ def family(rng):
 
 
 def success_at(env, tick_ms, manoeuvres, sizes_mm):
-    """Return which manoeuvres succeed at a tick."""
-    finer = replace(env, robot=replace(env.robot, physics_tick_s=tick_ms * 1e-3))
+    """Return which manoeuvres succeed at a physics step."""
+    finer = replace(env, robot=replace(env.robot, physics_step_s=tick_ms * 1e-3))
     simulation = Simulation(find_obstacle("step"), finer, COUNT, 1)
     return try_out(simulation, finer, sizes_mm, manoeuvres, HORIZON_S).success
 
@@ -66,7 +66,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--frictions", type=float, nargs="+", default=[EnvConfig().robot.friction])
     args = parser.parse_args()
-    print("| friction | tick, ms | success | only here, only at a quarter | p |")
+    print("| friction | physics step, ms | success | only here, only at a quarter | p |")
     print("|---|---|---|---|---|")
     for friction in args.frictions:
         manoeuvres, sizes_mm = family(np.random.default_rng(0))
