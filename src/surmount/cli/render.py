@@ -37,19 +37,20 @@ def render(
         speed: Speed of a film against real time; 1 if left out, 0.25 is slow motion.
         at: Moments on a sheet, in s; six from start to end if left out.
     """
-    from rich.console import Console
-    from rich.progress import track
-
-    from surmount.cli.motions import shown_motions
     from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png
 
     check_output(out)
     if _rendered_own(shown, out, fps):
         return 0
-    _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")
-    _refuse((fps, speed) if out.suffix == PICTURE else (), "--fps and --speed", "a picture")
+    # Only the robot's films need its simulation.
+    from rich.console import Console
+    from rich.progress import track
+
+    from surmount.cli.motions import shown_motions
     from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames
 
+    _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")
+    _refuse((fps, speed) if out.suffix == PICTURE else (), "--fps and --speed", "a picture")
     film = FilmConfig(
         width_px=size[0],
         height_px=size[1],
