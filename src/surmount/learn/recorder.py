@@ -120,6 +120,7 @@ class Recorder(VecEnv):
             variant=final["variant"][index],
             success=bool(final["is_success"][index]),
             diverged=bool(final["diverged"][index]),
+            covered=float(final["covered"][index]) if "covered" in final else None,
         )
         return {
             "terminal_observation": row(infos["final_obs"], index),

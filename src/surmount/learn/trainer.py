@@ -21,6 +21,7 @@ from surmount.learn.loggers import training_logger
 from surmount.learn.recorder import Recorder
 from surmount.learn.snapshot import Snapshot, Tensors
 from surmount.tasks.regions import Regions
+from surmount.teachers.changes import Change, changes_of
 from surmount.teachers.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.workflow.monitor import Interrupted, Monitor, Progress
 
@@ -41,6 +42,8 @@ class Training:
         What went wrong with numbers and was stopped.
     memory
         Past experience that a next training should go on with, where the learner keeps any.
+    changes
+        What the teacher changed, and why.
     """
 
     network: Snapshot
@@ -48,6 +51,7 @@ class Training:
     tests: tuple[LevelTest, ...]
     faults: Faults
     memory: Snapshot | None = None
+    changes: tuple[Change, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,7 +169,10 @@ class Trainer:
             self._learn_one_rollout(monitor, checkpointing)
             outcome = self._recorder.collect(self._learner.advantages())
             self._require_some_physics(outcome)
+            told = len(changes_of(self._teacher))
             test = self._teacher.update_on_rollout(outcome)
+            for change in changes_of(self._teacher)[told:]:
+                monitor.log(change.sentence)
             self._history.add(outcome, label=self._teacher.status().label)
             self._report(monitor, outcome, test)
             self._push_distribution()
@@ -179,6 +186,7 @@ class Trainer:
             tests=tuple(self._tests),
             faults=self._faults,
             memory=Snapshot(tensors=memory, record={}) if memory else None,
+            changes=changes_of(self._teacher),
         )
 
     def _learn_one_rollout(self, monitor: Monitor, checkpointing: Checkpointing | None) -> None:
