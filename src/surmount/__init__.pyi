@@ -58,6 +58,7 @@ from .tasks.space import TaskSpace as TaskSpace
 from .teachers.advancement import AdvancementConfig as AdvancementConfig
 from .teachers.alp_gmm import AlpGmmConfig as AlpGmmConfig
 from .teachers.alp_gmm import AlpGmmTeacher as AlpGmmTeacher
+from .teachers.batched import BatchedTeacher as BatchedTeacher
 from .teachers.budget import BudgetedLevels as BudgetedLevels
 from .teachers.catalogue import TEACHERS as TEACHERS
 from .teachers.catalogue import TeacherContext as TeacherContext

@@ -54,6 +54,7 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     from surmount.experiment.experiment import Experiment
     from surmount.report.pages import write_report
     from surmount.report.teachers_page import write_teachers_report
+    from surmount.tasks.curriculum import ONE_GROUP
     from surmount.workflow.console import SafeConsole
 
     teaching: TeachersConfig = beside[TEACHING]
@@ -61,7 +62,11 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     console = SafeConsole()
     experiment = Experiment(chosen, options.out)
     outcome = experiment.compare(
-        options.teachers, settings=teaching, **options.workers.checked(), console=console
+        options.teachers,
+        settings=teaching,
+        **options.workers.checked(),
+        console=console,
+        amend=options.resume,
     )
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
@@ -69,6 +74,8 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
     write_report(options.out)
     page = write_teachers_report(record, options.out)
+    if len(record["groups"]) == 1:
+        console.print(f"One group. {ONE_GROUP}", soft_wrap=True, markup=False)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
     return 0

@@ -67,7 +67,7 @@ def export(
 
 def _export_network(file: Path, to: str, out: Path) -> int:
     # A curriculum goes to other frameworks without these.
-    from surmount.learn.onnx_export import export_onnx
+    from surmount.experiment.network_export import export_network_onnx
     from surmount.learn.snapshot import Snapshot, acting_only
 
     if to not in NETWORK_FORMATS:
@@ -80,7 +80,7 @@ def _export_network(file: Path, to: str, out: Path) -> int:
     with output_errors(out):
         out.mkdir(parents=True, exist_ok=True)
         if to == "onnx":
-            export_onnx(network, path)
+            export_network_onnx(network, file, path)
         else:
             acting_only(network).save(path)
     say(f"Written to {path}: {path.stat().st_size:,} bytes")

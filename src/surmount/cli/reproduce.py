@@ -28,7 +28,9 @@ def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, An
 
     console = SafeConsole()
     experiment = Experiment(chosen, options.out)
-    if experiment.run(**options.workers.checked(), console=console).interrupted:
+    if experiment.run(
+        **options.workers.checked(), console=console, amend=options.resume
+    ).interrupted:
         console.print(f"Stopped. Go on with: surmount reproduce --resume --out {options.out}")
         return INTERRUPTED
     page = experiment.report(say=lambda text: console.print(text, soft_wrap=True, markup=False))

@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from surmount.core.records import read_record
-from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.curriculum import ONE_GROUP, Curriculum
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.run_layout import (
     ANALYSIS,
@@ -53,6 +53,8 @@ def print_summary(console: Console, root: Path) -> None:
             _share(compared["arms"][CONTROL]),
             _verdict(compared["proportion_test"]),
         )
+    if len(curriculum.groups) == 1 and curriculum.levels:
+        console.print(f"One group. {ONE_GROUP}", soft_wrap=True, markup=False)
     console.print(table)
     for number, level in enumerate(curriculum.levels, start=1):
         weights = ", ".join(

@@ -44,7 +44,8 @@ class TeacherCallback(BaseCallback):
     Raises
     ------
     ConfigError
-        From ``learn``, if the teacher is finished before training begins.
+        From ``learn``, if the teacher is finished before training begins, or needs a critic that
+        the learner has not.
     InputError
         From ``learn``, if the environments take no distribution or do not say what came of it.
     """
@@ -130,6 +131,14 @@ class TeacherCallback(BaseCallback):
                 "steps are 0.",
                 remedy="Train without the callback, or give it another teacher, such as "
                 "`surmount.teachers.UniformTeacher`.",
+            )
+        has_critic = isinstance(getattr(self.model, "rollout_buffer", None), RolloutBuffer)
+        if getattr(self.teacher, "needs_value_errors", False) and not has_critic:
+            raise ConfigError(
+                f"The teacher, {self.teacher.status().label}, needs a critic's value errors, and "
+                f"{type(self.model).__name__} estimates none.",
+                remedy="Train by PPO, A2C or another algorithm with roll-outs, or choose another "
+                "teacher.",
             )
         if not self.training_env.has_attr("set_task_distribution"):
             raise InputError(

@@ -36,6 +36,7 @@ from surmount.report.figures.plots import compact, plain, plot
 from surmount.report.figures.stills import axes_grid
 from surmount.report.teacher_changes import changes_section
 from surmount.report.writing import write_document
+from surmount.tasks.curriculum import ONE_GROUP
 
 NAME = "teachers"
 FEW_NETWORKS = 5
@@ -77,6 +78,9 @@ def document_of_teachers(record: Record) -> Document:
             "comparison runs, and says nothing about who is better."
         )
         notices.append(Notice(title="Too few networks", sentences=(few,)))
+    if len(record["groups"]) == 1 and steps:
+        summary = summary[1:]
+        notices.append(Notice(title="One group", sentences=(ONE_GROUP,)))
     if steps == 0:
         summary = ["There was nothing to teach, so nothing can be said of any teacher."]
         nobody = (

@@ -136,6 +136,8 @@ class Entry:
         Where it is from.
     make
         Makes it.
+    needs_value_errors
+        Whether only learners with a critic that estimates advantages can have it.
     by_trials
         Whether it needs groups, and so the trials that these are determined from: in a comparison
         at equal costs it pays for them.
@@ -144,6 +146,7 @@ class Entry:
     title: str
     source: str
     make: Callable[[TeacherContext], Teacher]
+    needs_value_errors: bool = False
     by_trials: bool = False
 
 
@@ -336,6 +339,7 @@ TEACHERS = {
         title="prioritised level replay",
         source="Jiang et al. 2021",
         make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
+        needs_value_errors=ReplayTeacher.needs_value_errors,
     ),
     "spdl": Entry(
         title="self-paced",

@@ -74,7 +74,7 @@ def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
     sentences = [
         (
             "Distances are unscented Hellinger distances between the variants' mixtures (eq. 1): 0 "
-            "where the robot behaves alike, 1 where nothing is shared. Frames mark the groups."
+            "where behaviour is alike, 1 where nothing is shared. Frames mark the groups."
         ),
         f"{rule}.",
     ]

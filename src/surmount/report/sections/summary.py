@@ -17,6 +17,7 @@ from surmount.report.document.text import (
 )
 from surmount.report.results import RunResults
 from surmount.report.verdicts import group_sentence
+from surmount.tasks.curriculum import ONE_GROUP
 from surmount.workflow.run_folder import RunFolder
 from surmount.workflow.run_layout import INITIATION
 
@@ -75,6 +76,13 @@ def notices(folder: RunFolder) -> list[Notice]:
     return found
 
 
+def one_group_notice(analysis: Analysis | None) -> list[Notice]:
+    """Say before anything else that there is one group, where there is."""
+    if analysis is None or len(analysis.groups) != 1 or not analysis.curriculum.levels:
+        return []
+    return [Notice(title="One group", sentences=(ONE_GROUP,))]
+
+
 def summary(results: RunResults) -> list[str]:
     """Say what was grouped, how many levels there are, and what the tests show."""
     analysis, comparison = results.analysis, results.comparison
@@ -87,6 +95,9 @@ def summary(results: RunResults) -> list[str]:
             )
         ]
     sentences = [grouping_sentence(analysis), level_sentence(analysis)]
+    if len(analysis.groups) == 1 and analysis.curriculum.levels:
+        # The arms are one treatment: to rank them would tell chance for an effect.
+        return sentences
     if comparison is None:
         return [*sentences, "The comparison of both arms is still to come."]
     sentences += [group_sentence(entry) for entry in comparison.groups]
@@ -124,11 +135,8 @@ def grouping_sentence(analysis: Analysis) -> str:
             f"group, {parts[0]}."
         )
     if len(groups) == 1:
-        return (
-            f"The robot's behaviour on {variants} showed no abrupt change: they form one group, "
-            f"{parts[0]}."
-        )
-    return f"The robot's behaviour divides {variants} into {len(groups)} groups: {listed(parts)}."
+        return f"Behaviour on {variants} showed no abrupt change: they form one group, {parts[0]}."
+    return f"Behaviour divides {variants} into {len(groups)} groups: {listed(parts)}."
 
 
 def level_sentence(analysis: Analysis) -> str:

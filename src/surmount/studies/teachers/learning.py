@@ -14,7 +14,6 @@ from surmount.core.configuration import from_record
 from surmount.envs.family import TaskFamily
 from surmount.experiment.stages import only, train, write_training
 from surmount.experiment.task_part import family_and_settings
-from surmount.learn.snapshot import Snapshot
 from surmount.studies.teachers.plan import ORACLE
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
@@ -32,7 +31,7 @@ from surmount.teachers.uniform import UniformTeacher
 from surmount.trials.table import read_trials
 from surmount.trials.trials import Trials
 from surmount.workflow.graph import StageContext, StageKind
-from surmount.workflow.run_layout import ANALYSIS_FILE, NETWORK_FILE, TRIALS_FILE
+from surmount.workflow.run_layout import ANALYSIS_FILE, TRIALS_FILE
 
 HARD_SHARE = 0.5
 """Share of the oracle's tasks that come from the hard third."""
@@ -50,7 +49,7 @@ def learn_at_charged_budget(context: StageContext) -> None:
         context.monitor.log(f"{spent:,} of {budget:,} steps are charged for the trials")
         budget = max(0, budget - spent)
     teacher = _teacher(name, budget, context, family, settings, space, analysis)
-    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
+    start = only(context, "network")
     training = train(context, teacher, start=start, regions=Regions.of(analysis.curriculum))
     write_training(context, training)
 
