@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import time
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from strategies import seeds
 from surmount import Analysis, AnalysisConfig, Trials, determine_curriculum
 from surmount.analysis.explanation import explain_analysis
 from surmount.core.errors import ConfigError, InputError
-from surmount.trials.table import trials_from_table
 
 QUICK = AnalysisConfig(
     components=3, restarts=1, bootstrap=3, bootstrap_samples=50, min_samples_per_component=5
@@ -209,18 +207,3 @@ def test_too_few_variants_for_a_cut_are_told(n_variants):
     told = [text for text in analysis.warnings if "cannot be cut by the rule" in text]
     assert len(told) == (n_variants < 4)
     assert any("No abrupt change" in text for text in analysis.warnings) == (n_variants == 4)
-
-
-def test_the_work_grows_with_the_number_of_columns_and_not_with_its_square():
-    """Of 20,000 columns, reading the table took 78 s."""
-
-    def seconds(n_columns: int) -> float:
-        ids = {"variant": np.repeat([0.0, 1.0], 4), "network": np.zeros(8), "success": np.ones(8)}
-        table = {**ids, "trial": np.repeat(np.arange(4), 2)}
-        table |= {f"x{index}": np.arange(8.0) for index in range(n_columns)}
-        began = time.process_time()
-        assert len(trials_from_table(table).feature_names) == n_columns
-        return time.process_time() - began
-
-    few = seconds(2_000)
-    assert seconds(20_000) < 40.0 * few  # ten times the columns; its square would be a hundred
