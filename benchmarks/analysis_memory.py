@@ -1,9 +1,10 @@
-"""Peak memory of reading and of analysing a large table of trials, in bytes per row.
+"""Time and peak memory of reading and of analysing a large table, beside Polars' own scan of it.
 
     python benchmarks/analysis_memory.py [million rows, default 3]
 
 Each measurement runs in a process of its own; what that process takes before (Python, libraries,
-a small table read or analysed) is left out. Reading is `surmount.read_trials`, analysing the
+a small table read or analysed) is left out. The scan is what Polars takes to read all columns with
+its own types, and checks nothing. Reading is `surmount.read_trials`, analysing the
 command `surmount analyze` with its defaults, bootstrap and page included. 4 features, 20 variants,
 2 networks, trials of 1,000 steps.
 """
@@ -20,6 +21,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import polars as pl
 
 from surmount import Analysis, Trials, read_trials, write_trials
 from surmount.cli.main import run
@@ -48,14 +50,22 @@ def peak_bytes():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
+def scan(path, _folder):
+    lazy = pl.scan_parquet(path) if path.suffix == ".parquet" else pl.scan_csv(path)
+    return lazy.collect(engine="streaming").height
+
+
 def read(path, _folder):
     return read_trials(path, minimum_variants=2, minimum_samples=20).n_samples
 
 
 def analyse(path, folder):
-    with contextlib.redirect_stdout(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         assert run(["analyze", str(path), "--out", str(folder)]) == 0
     return int(Analysis.load(Path(folder) / "analysis.json").n_recorded.sum())
+
+
+STEPS_MEASURED = {"--scan": scan, "--read": read, "--analyse": analyse}
 
 
 def measure(work, path):
@@ -79,7 +89,7 @@ def main():
         for suffix in (".parquet", ".csv"):
             path = str(Path(folder) / f"trials{suffix}")
             # A process starts with its parent's peak: this one stays small.
-            for step in ("--write", "--read", "--analyse"):
+            for step in ("--write", "--scan", "--read", "--analyse"):
                 command = [sys.executable, __file__, step, path, millions]
                 subprocess.run(command, check=True)  # noqa: S603 - this file itself
 
@@ -88,7 +98,7 @@ if __name__ == "__main__":
     step = sys.argv[1] if len(sys.argv) > 2 else ""
     if step == "--write":
         write_trials(Path(sys.argv[2]), trials(round(float(sys.argv[3]) * 1e6 / STEPS)))
-    elif step in ("--read", "--analyse"):
-        measure(read if step == "--read" else analyse, Path(sys.argv[2]))
+    elif step in STEPS_MEASURED:
+        measure(STEPS_MEASURED[step], Path(sys.argv[2]))
     else:
         main()

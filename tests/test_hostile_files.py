@@ -138,7 +138,7 @@ def test_few_bytes_that_stand_for_many_rows_are_refused(capsys, tmp_path, monkey
     pl.select(**rows).write_parquet(path, compression="zstd")
     assert path.stat().st_size < 100_000
     pages = {"SC_PHYS_PAGES": 15_000, "SC_PAGE_SIZE": 4096}  # 61 MB; the table needs 80 MB
-    monkeypatch.setattr("surmount.trials.table_file.os.sysconf", pages.__getitem__)
+    monkeypatch.setattr("surmount.trials.source.os.sysconf", pages.__getitem__)
     code, err = call(capsys, "analyze", path, "--out", tmp_path / "out")
     assert code == 3
     assert "2,000,000 rows of 5 columns" in err

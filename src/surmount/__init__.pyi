@@ -32,8 +32,6 @@ from .experiment.experiment import Experiment as Experiment
 from .experiment.presets import preset as preset
 from .exports.formats import export_curriculum as export_curriculum
 from .exports.ml_agents import export_ml_agents as export_ml_agents
-from .exports.trial_logs import Columns as Columns
-from .exports.trial_logs import read_log as read_log
 from .learn.callback import TeacherCallback as TeacherCallback
 from .learn.config import LearnerConfig as LearnerConfig
 from .learn.presets import ML_AGENTS as ML_AGENTS
@@ -87,9 +85,11 @@ from .teachers.teacher import RolloutOutcome as RolloutOutcome
 from .teachers.teacher import Teacher as Teacher
 from .teachers.teacher import TeacherStatus as TeacherStatus
 from .teachers.uniform import UniformTeacher as UniformTeacher
+from .trials.columns import Columns as Columns
 from .trials.table import read_trials as read_trials
 from .trials.table import trials_from_table as trials_from_table
 from .trials.table import write_trials as write_trials
+from .trials.trial_arrays import trials_from_arrays as trials_from_arrays
 from .trials.trials import Trials as Trials
 
 __version__: str

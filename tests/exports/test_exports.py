@@ -23,7 +23,6 @@ from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError
 from surmount.exports.formats import export_curriculum
 from surmount.exports.ml_agents import export_ml_agents, interval_counts
-from surmount.exports.trial_logs import Columns, read_log
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.levels import LevelTeacher
@@ -477,105 +476,6 @@ def test_ml_agents_uses_both_of_its_options(tmp_path):
     text = (tmp_path / "curriculum.yaml").read_text(encoding="utf-8")
     assert 'behavior: "RSTAR"' in text
     assert "threshold: 0.3\n" in text
-
-
-LOG = """StepHeight,Episode,Run,Time,X,Reached
-21,7,a,0.0,1.0,0
-21,7,a,0.1,0.5,1
-21,8,a,0.0,1.0,0
-35,9,a,0.0,1.0,0
-35,9,a,0.1,0.9,0
-35,9,b,0.0,1.1,false
-35,9,b,0.1,0.2,true
-"""
-
-
-def test_a_log_with_names_of_its_own_becomes_trials(capsys, tmp_path):
-    (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
-    out = tmp_path / "trials.csv"
-    options = ["--variant", "height_mm=StepHeight", "--feature", "time_s=Time", "--feature",
-               "distance_m=X", "--trial", "Episode", "--success", "Reached", "--network",
-               "Run"]  # fmt: skip
-    code = run(["convert", str(tmp_path / "log.csv"), "--out", str(out), *options])
-    assert code == 0
-    assert "4 trials on 2 variants, 2 succeeded, 7 rows" in capsys.readouterr().out
-    trials = read_trials(out)
-    assert trials.parameters == ("height_mm",)
-    assert trials.feature_names == ("time_s", "distance_m")
-    assert trials.variant[:, 0].tolist() == [21, 21, 35, 35]
-    assert trials.success.tolist() == [True, False, False, True]
-    assert trials.network.tolist() == [0, 0, 0, 1]
-    assert trials.final("distance_m").tolist() == [0.5, 1.0, 0.9, 0.2]
-
-
-@pytest.mark.parametrize(
-    ("text", "columns", "words"),
-    [
-        (LOG, {"trial": "Episodes"}, "no column `Episodes`"),
-        (LOG.replace("35,9,a,0.1", "36,9,a,0.1"), {}, "changes within an episode"),
-        (LOG.replace("true", "perhaps"), {}, "other values than true and false"),
-        (LOG.splitlines()[0] + "\n", {}, "has no rows"),
-        ("", {}, "has no rows"),
-        (
-            LOG.replace("b,0.1", "b,-0.5"),
-            {"features": {"time_s": "Time"}},
-            "at row 7 `Time` runs backwards, within `Episode` 9 of `Run` b",
-        ),
-    ],
-)
-def test_a_log_that_cannot_be_read_says_why(tmp_path, text, columns, words):
-    path = tmp_path / "log.csv"
-    path.write_text(text, encoding="utf-8")
-    chosen = {"variant": {"height_mm": "StepHeight"}, "trial": "Episode", "success": "Reached",
-              "features": {"x": "X"}, "network": "Run"} | columns  # fmt: skip
-    with pytest.raises(InputError, match=words):
-        read_log(path, Columns(**chosen))
-
-
-@pytest.mark.parametrize(
-    "name", ["success", "network", "trial", "variant", "variant.width", "height_mm"]
-)
-def test_no_feature_replaces_another_column(capsys, tmp_path, name):
-    (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
-    out = tmp_path / "trials.csv"
-    options = ["--variant", "height_mm=StepHeight", "--feature", "distance_m=X", "--feature",
-               f"{name}=Time", "--trial", "Episode", "--success", "Reached"]  # fmt: skip
-    assert run(["convert", str(tmp_path / "log.csv"), "--out", str(out), *options]) == 2
-    said = capsys.readouterr().err
-    assert f"A feature cannot be named `{name}`" in said
-    assert "another name" in said
-    assert not out.exists()
-
-
-@pytest.mark.parametrize("option", ["--variant", "--feature"])
-def test_a_name_given_twice_is_refused(capsys, tmp_path, option):
-    (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
-    options = ["--variant", "h=StepHeight", "--feature", "x=X", option, "y=X", option, "y=Time"]
-    code = run(["convert", str(tmp_path / "log.csv"), "--out", str(tmp_path / "t.csv"), *options])
-    assert code == 2
-    assert f"`{option} y` is given twice, as `X` and as `Time`" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("times", "row"),
-    [([0.0, 0.1, 0.2, 0.0, 0.1], 4), ([0.0, 3.2, 0.1, 3.3], 3), ([1, 100, -100], 3)],
-)
-def test_two_areas_merged_into_one_trial_are_told_by_their_times(tmp_path, times, row):
-    path = tmp_path / "log.csv"
-    path.write_text("h,e,t,s\n" + "".join(f"30,1,{t},0\n" for t in times), encoding="utf-8")
-    columns = Columns(variant={"h": "h"}, trial="e", success="s", features={"time_s": "t"})
-    with pytest.raises(InputError, match=f"at row {row} `t` runs backwards") as caught:
-        read_log(path, columns)
-    assert "several agents" in caught.value.remedy
-
-
-def test_trials_that_are_interleaved_each_have_their_own_time(tmp_path):
-    path = tmp_path / "log.csv"
-    rows = [("a:0", 5.0), ("b:0", 0.0), ("a:0", 5.1), ("b:0", 0.1)]
-    path.write_text("h,e,t,s\n" + "".join(f"30,{e},{t},0\n" for e, t in rows), encoding="utf-8")
-    columns = Columns(variant={"h": "h"}, trial="e", success="s", features={"time_s": "t"})
-    trials = read_log(path, columns)
-    assert trials.features[:, 0].tolist() == [5.0, 5.1, 0.0, 0.1]
 
 
 def test_what_the_docs_let_unity_write_is_what_their_command_reads(tmp_path, monkeypatch):

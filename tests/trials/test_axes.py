@@ -64,7 +64,7 @@ def test_a_text_variant_alone_is_a_category_in_csv(tmp_path):
     [
         (["stairs", "", "stairs", "slope"], "`variant.terrain` is missing"),
         (["1", "2", "2O", "3"], "`variant.terrain` is not a number"),
-        (["a\x1b", "b", "b", "c"], "control characters"),
+        (["a\x1b", "b", "b", "c"], "cannot be printed"),
     ],
 )
 def test_what_is_neither_names_nor_numbers_is_refused(terrain, sentence):

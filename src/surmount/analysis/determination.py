@@ -16,10 +16,12 @@ from surmount.analysis.groups import group_names, merge_small, rank_groups, smal
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.levels import build_levels
 from surmount.analysis.mixture import Mixture
+from surmount.analysis.progress import Progress, counter, silent
 from surmount.analysis.reference import check_distances
 from surmount.analysis.result import Analysis
 from surmount.analysis.sensitivity import SensitivityRow, assess_sensitivity
 from surmount.analysis.stability import assess_stability
+from surmount.analysis.suspects import find_suspects
 from surmount.analysis.threads import spread
 from surmount.analysis.warnings import analysis_warnings
 from surmount.core.arrays import FloatArray
@@ -31,7 +33,9 @@ from surmount.tasks.curriculum import Curriculum, Group
 from surmount.trials.trials import Trials
 
 
-def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -> Analysis:
+def determine_curriculum(
+    trials: Trials, config: AnalysisConfig | None = None, *, progress: Progress = silent
+) -> Analysis:
     """Determine a curriculum from trials on the variants of a task.
 
     One mixture per variant (eq. 2, 3), Hellinger distances (eq. 1), agglomerative clustering, a
@@ -45,6 +49,8 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         Trials on at least two variants.
     config
         Choices; defaults where absent.
+    progress
+        Told what is being done: the part, how much of it is done, and of how much.
 
     Returns
     -------
@@ -64,9 +70,11 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     curves: list[BICCurve] = []
     if not settings.components:
         chosen = range(len(data.samples)) if settings.components_per_variant else [hardest]
-        curves = [
-            bic_curve(FitSamples(data.samples[variant]), settings, seed) for variant in chosen
-        ]
+        advance = counter(progress, "number of components", len(chosen))
+        for variant in chosen:
+            curves.append(bic_curve(FitSamples(data.samples[variant]), settings, seed))
+            advance()
+    fitted = counter(progress, "mixtures", len(data.samples))
 
     def fit(variant: int) -> tuple[Components, Mixture]:
         samples = FitSamples(data.samples[variant])
@@ -75,10 +83,13 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
             wanted = curves[variant if settings.components_per_variant else 0].chosen
         wanted = min(wanted, affordable_components(samples.n_samples, settings))
         found = samples.fit(wanted, settings, seed)
+        fitted()
         return found.components, mixture_of(found, data.features.scaling, settings, wanted)
 
     fits, mixtures = zip(*spread(fit, range(len(data.samples))), strict=True)
+    progress("distances", 0, 1)
     distances = hellinger_matrix(mixtures)
+    progress("distances", 1, 1)
     check = check_distances(mixtures, seed=settings.seed) if settings.check_distances else None
     dendrogram = build_dendrogram(distances, settings.linkage)
     cut = cut_dendrogram(dendrogram, distances, settings)
@@ -105,18 +116,28 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
     )
     stability = None
     if settings.bootstrap:
-        stability = assess_stability(trials, data, fits, labels, settings)
+        stability = assess_stability(trials, data, fits, labels, settings, progress)
     sensitivity: tuple[SensitivityRow, ...] = ()
     if settings.sensitivity:
         sensitivity = assess_sensitivity(
-            data, mixtures, distances, labels, settings, seed=seed, check=check
+            data, mixtures, distances, labels, settings, seed=seed, check=check, progress=progress
         )
+    suspects = find_suspects(
+        trials,
+        data.features.logged,
+        mixtures,
+        labels,
+        settings,
+        reduced=data.features.reduced,
+        seed=seed,
+    )
     recorded, sampled = _scatter(data, mixtures[hardest], hardest, settings)
     analysis = Analysis(
         config=settings,
         parameters=trials.parameters,
         features=data.features,
         n_networks=np.unique(trials.network).size,
+        network_names=trials.network_names,
         variants=data.variants,
         success_rate=data.success_rate,
         n_trials=data.n_trials,
@@ -139,6 +160,8 @@ def determine_curriculum(trials: Trials, config: AnalysisConfig | None = None) -
         sampled=sampled,
         stability=stability,
         sensitivity=sensitivity,
+        suspects=suspects,
+        notes=trials.notes,
         warnings=(),
     )
     return analysis_warnings(analysis)

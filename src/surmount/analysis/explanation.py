@@ -9,7 +9,11 @@ import numpy as np
 from surmount.analysis.component_count import BICCurve
 from surmount.analysis.cut import link_gaps
 from surmount.analysis.dendrogram import Dendrogram
-from surmount.analysis.description import describe_curriculum, describe_variants, table_lines
+from surmount.analysis.description import (
+    describe_curriculum,
+    describe_variants,
+    table_lines,
+)
 from surmount.analysis.features import describe_variant
 from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.result import Analysis
@@ -40,7 +44,7 @@ def _explain_trials(analysis: Analysis) -> Iterator[str]:
     features = analysis.features
     yield (
         f"{int(analysis.n_trials.sum())} trials on {analysis.variants.shape[0]} variants by "
-        f"{analysis.n_networks} network{'' if analysis.n_networks == 1 else 's'}, "
+        f"{analysis.networks}, "
         f"{int(analysis.n_recorded.sum())} control steps."
     )
     if analysis.stride.max() > 1:

@@ -76,6 +76,8 @@ class VariantSamples:
         Index of the trial that each of these samples came from, ``(sample,)`` each.
     network
         Network of each trial, shape ``(trial,)``.
+    network_names
+        Name of each network; empty where they have numbers only.
     features
         How the samples were made from the logged features.
     """
@@ -88,7 +90,12 @@ class VariantSamples:
     samples: tuple[FloatArray, ...]
     trial: tuple[IntArray, ...]
     network: IntArray
+    network_names: tuple[str, ...]
     features: FeatureMap
+
+    def network_name(self, network: int) -> str:
+        """Return what a network is called."""
+        return self.network_names[network] if self.network_names else str(network)
 
 
 def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
@@ -147,6 +154,7 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
         samples=tuple(samples),
         trial=tuple(origins),
         network=trials.network,
+        network_names=trials.network_names,
         features=feature_map,
     )
 
@@ -175,7 +183,8 @@ def _selected(
         bad = [name for name, good in zip(names, finite, strict=True) if not good]
         raise InputError(
             f"Features hold NaN or infinite values: {', '.join(bad)}.",
-            remedy="Drop those trials, or leave the features out with `features`.",
+            remedy="Clip what is infinite, drop trials in which a value is missing, or leave the "
+            "features out with `features`.",
         )
     return names, x
 

@@ -21,10 +21,13 @@ from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.result_reading import KIND, SCHEMA, analysis_fields
 from surmount.analysis.sensitivity import SensitivityRow
 from surmount.analysis.stability import Stability
+from surmount.analysis.suspects import Suspect
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.configuration import to_record as config_to_record
 from surmount.core.records import read_record, write_record
 from surmount.tasks.curriculum import Curriculum, Group
+
+_SHOWN_NAMES = 12
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +46,8 @@ class Analysis:
         How logged features became the features of the mixtures.
     n_networks
         Networks whose trials these are.
+    network_names
+        Name of each; empty where networks have numbers only.
     variants
         Shape ``(variant, parameter)``.
     success_rate
@@ -83,6 +88,10 @@ class Analysis:
         How sure the grouping is; ``None`` where the bootstrap was switched off.
     sensitivity
         The grouping with one choice changed at a time; empty where it was switched off.
+    suspects
+        Features that may not be behaviour, with the grouping without them.
+    notes
+        How the trials were read, where somebody must know it, in sentences.
     warnings
         Sentences on what a reader must know before trusting the result.
     """
@@ -91,6 +100,7 @@ class Analysis:
     parameters: tuple[str, ...]
     features: FeatureMap
     n_networks: int
+    network_names: tuple[str, ...]
     variants: FloatArray
     success_rate: FloatArray
     n_trials: IntArray
@@ -113,6 +123,8 @@ class Analysis:
     sampled: FloatArray
     stability: Stability | None
     sensitivity: tuple[SensitivityRow, ...]
+    suspects: tuple[Suspect, ...]
+    notes: tuple[str, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -129,6 +141,15 @@ class Analysis:
     def trials_won(self) -> IntArray:
         """Successful trials of each variant, shape ``(variant,)``."""
         return np.rint(self.success_rate * self.n_trials).astype(np.int64)
+
+    @property
+    def networks(self) -> str:
+        """How many networks there are, with the first names where they have names."""
+        count = f"{self.n_networks} network{'' if self.n_networks == 1 else 's'}"
+        if not self.network_names:
+            return count
+        more = ", …" if len(self.network_names) > _SHOWN_NAMES else ""
+        return f"{count} ({', '.join(self.network_names[:_SHOWN_NAMES])}{more})"
 
     @property
     def not_converged(self) -> int:

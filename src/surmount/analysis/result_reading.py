@@ -16,6 +16,8 @@ from surmount.tasks.curriculum import Curriculum
 
 KIND = "surmount analysis"
 SCHEMA = 2
+_ABSENT: Mapping[str, Any] = {"network_names": [], "suspects": [], "notes": []}
+"""What records of before lack, and what its absence means."""
 _REMEDY = "Write it again with `surmount analyze`."
 
 
@@ -37,7 +39,7 @@ def analysis_fields(kind: type[object], record: Mapping[str, Any], source: str) 
         json.dumps(record, allow_nan=False)
         fields = read_fields(
             kind,
-            record,
+            {**_ABSENT, **record},
             built={
                 "config": from_record(AnalysisConfig, record["config"]),
                 "curriculum": Curriculum.from_record(record["curriculum"]),

@@ -17,6 +17,7 @@ from surmount.analysis.fitting import FitSamples, affordable_components, mixture
 from surmount.analysis.groups import merge_small, small_limit
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.mixture import Mixture
+from surmount.analysis.progress import Progress, counter, silent
 from surmount.analysis.reference import DistanceCheck
 from surmount.analysis.threads import spread
 from surmount.core.arrays import FloatArray, IntArray
@@ -30,6 +31,9 @@ _MOST_NETWORKS = 10
 """Of more networks, the first ones are looked at by themselves."""
 NETWORKS = "networks"
 """Choice under which each network by itself stands."""
+FEATURES = "features"
+"""Choice under which the grouping without each feature stands."""
+_WITHOUT = "without "
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +54,25 @@ class SensitivityRow:
     value: str
     n_groups: int
     agreement: float
+
+
+def deciding_features(rows: Sequence[SensitivityRow], n_groups: int) -> tuple[str, ...]:
+    """Return the features without each of which all variants are one group, where there were more.
+
+    Parameters
+    ----------
+    rows
+        Of an analysis.
+    n_groups
+        Its groups.
+    """
+    if n_groups < 2:
+        return ()
+    return tuple(
+        row.value.removeprefix(_WITHOUT)
+        for row in rows
+        if row.choice == FEATURES and row.n_groups == 1
+    )
 
 
 def group_variants(distances: FloatArray, config: AnalysisConfig) -> IntArray:
@@ -79,6 +102,7 @@ def assess_sensitivity(
     *,
     seed: int,
     check: DistanceCheck | None = None,
+    progress: Progress = silent,
 ) -> tuple[SensitivityRow, ...]:
     """Repeat the grouping with one choice changed at a time.
 
@@ -99,9 +123,20 @@ def assess_sensitivity(
         Seed of its fits.
     check
         Its distances' references, where they were computed.
+    progress
+        Told after each choice.
     """
+    names = data.features.names
+    counts = _other_counts(mixtures, config)
+    variances = [one for one in _REGULARISATIONS if one != config.regularisation]
+    networks = list(_single_networks(data, config))
+    rules = list(_changed_rules(config))
+    left_out = range(len(names) if len(names) > 1 else 0)
+    total = len(rules) + len(left_out) + len(counts) + len(variances) + len(networks)
+    advance = counter(progress, "sensitivity", total + (check is not None))
 
     def row(choice: str, value: str, found: IntArray) -> SensitivityRow:
+        advance()
         return SensitivityRow(
             choice=choice,
             value=value,
@@ -110,27 +145,24 @@ def assess_sensitivity(
         )
 
     rows = [
-        row(choice, value, group_variants(distances, changed))
-        for choice, value, changed in _changed_rules(config)
+        row(choice, value, group_variants(distances, changed)) for choice, value, changed in rules
     ]
     if check is not None:
         rows.append(row("distances", "reference", group_variants(check.reference, config)))
-    names = data.features.names
-    for left_out, name in enumerate(names if len(names) > 1 else ()):
-        kept = [index for index in range(len(names)) if index != left_out]
+    for place in left_out:
+        kept = [index for index in range(len(names)) if index != place]
         partial = hellinger_matrix([marginal(mixture, kept) for mixture in mixtures])
-        rows.append(row("features", f"without {name}", group_variants(partial, config)))
-    for count in _other_counts(mixtures, config):
-        refitted = hellinger_matrix(_refits(data.samples, data, count, config, seed))
+        rows.append(row(FEATURES, f"{_WITHOUT}{names[place]}", group_variants(partial, config)))
+    for count in counts:
+        refitted = hellinger_matrix(refits(data.samples, data, count, config, seed))
         rows.append(row("components", str(count), group_variants(refitted, config)))
     usual = max(mixture.n_components for mixture in mixtures)
-    for variance in _REGULARISATIONS:
-        if variance != config.regularisation:
-            changed = dataclasses.replace(config, regularisation=variance)
-            refitted = hellinger_matrix(_refits(data.samples, data, usual, changed, seed))
-            rows.append(row("regularisation", f"{variance:g}", group_variants(refitted, config)))
-    for network, samples in _single_networks(data, config):
-        alone = hellinger_matrix(_refits(samples, data, usual, config, seed))
+    for variance in variances:
+        changed = dataclasses.replace(config, regularisation=variance)
+        refitted = hellinger_matrix(refits(data.samples, data, usual, changed, seed))
+        rows.append(row("regularisation", f"{variance:g}", group_variants(refitted, config)))
+    for network, samples in networks:
+        alone = hellinger_matrix(refits(samples, data, usual, config, seed))
         rows.append(row(NETWORKS, f"only {network}", group_variants(alone, config)))
     return tuple(rows)
 
@@ -177,7 +209,7 @@ def _other_counts(mixtures: Sequence[Mixture], config: AnalysisConfig) -> list[i
 
 def _single_networks(
     data: VariantSamples, config: AnalysisConfig
-) -> Iterator[tuple[int, list[FloatArray]]]:
+) -> Iterator[tuple[str, list[FloatArray]]]:
     """Yield the samples of each of several networks that tried every variant often enough."""
     networks = np.unique(data.network)
     for network in networks[:_MOST_NETWORKS] if networks.size > 1 else ():
@@ -186,16 +218,29 @@ def _single_networks(
             for samples, trial in zip(data.samples, data.trial, strict=True)
         ]
         if min(samples.shape[0] for samples in own) >= config.min_samples_per_component:
-            yield int(network), own
+            yield data.network_name(int(network)), own
 
 
-def _refits(
+def refits(
     parts: Sequence[FloatArray],
     data: VariantSamples,
     count: int,
     config: AnalysisConfig,
     seed: int,
 ) -> list[Mixture]:
+    """Return mixtures of samples of each variant, fitted quickly: from one start.
+
+    Parameters
+    ----------
+    parts
+        Standardised samples of each variant, ``(sample, feature)`` each.
+    data
+        How they were standardised.
+    count
+        Components, fewer where samples are few.
+    config, seed
+        Of the fits.
+    """
     quick = dataclasses.replace(config, restarts=1)
 
     def refit(samples: FloatArray) -> Mixture:

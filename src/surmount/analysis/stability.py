@@ -11,6 +11,7 @@ from surmount.analysis.expectation_maximisation import Components, expand, maxim
 from surmount.analysis.features import VariantSamples
 from surmount.analysis.hellinger import hellinger_matrix
 from surmount.analysis.mixture import Mixture
+from surmount.analysis.progress import Progress, counter, silent
 from surmount.analysis.sensitivity import group_variants
 from surmount.analysis.threads import spread
 from surmount.core.arrays import FloatArray, IntArray
@@ -96,6 +97,7 @@ def assess_stability(
     fits: tuple[Components, ...],
     labels: IntArray,
     config: AnalysisConfig,
+    progress: Progress = silent,
 ) -> Stability:
     """Repeat the grouping on networks and trials drawn with replacement.
 
@@ -121,9 +123,13 @@ def assess_stability(
         Its groups, shape ``(variant,)``.
     config
         Its configuration.
+    progress
+        Told after each replicate.
     """
     n_variants = data.variants.shape[0]
     prepared = [_thin(data, fits, variant, config) for variant in range(n_variants)]
+
+    advance = counter(progress, "bootstrap", config.bootstrap)
 
     def grouped(replicate: int) -> IntArray:
         weights = resampled(trials, generator(config.seed, "bootstrap", replicate))
@@ -131,7 +137,9 @@ def assess_stability(
             _refit(phi, start, weights[origin].astype(np.float64), config)
             for phi, start, origin in prepared
         ]
-        return group_variants(hellinger_matrix(mixtures), config)
+        groups = group_variants(hellinger_matrix(mixtures), config)
+        advance()
+        return groups
 
     together = np.zeros((n_variants, n_variants))
     counts: dict[int, int] = {}

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from surmount.analysis.description import counted
 from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
-from surmount.analysis.sensitivity import NETWORKS
+from surmount.analysis.sensitivity import NETWORKS, deciding_features
 from surmount.analysis.stability import Stability
 from surmount.core.arrays import FloatArray
 
 _MANY_NETWORKS = 10
 """Networks from which a bootstrap over them keeps its level (see surmount.stats.bootstrap)."""
+_LIKE_ANOTHER = 0.5
+"""Adjusted Rand index below which a grouping is another one."""
 _SAME = 1.0 - 1e-9
 """Adjusted Rand index from which two groupings are the same."""
 
@@ -30,12 +34,26 @@ def describe_trust(analysis: Analysis) -> list[str]:
 def is_stable(analysis: Analysis) -> bool | None:
     """Return whether number, members and boundaries of the groups come back often enough.
 
-    "Often enough" is ``stability_threshold`` of the bootstrap replicates; ``None`` where there was
-    no bootstrap.
+    Groups that hang on one feature are not called stable, however often they come back: the
+    feature may be a clock, and its values would come back as well. "Often enough" is
+    ``stability_threshold`` of the bootstrap replicates; ``None`` where there was no bootstrap.
     """
     if analysis.stability is None:
         return None
-    return not unstable_parts(analysis, analysis.stability)
+    return not unstable_parts(analysis, analysis.stability) and not hanging(analysis)
+
+
+def hanging(analysis: Analysis) -> tuple[str, ...]:
+    """Return the features that the groups hang on; empty where they hold without each of them.
+
+    These are clocks, counters and the task itself, where the groups without all of them are
+    others, and features without which alone all variants are one group.
+    """
+    if len(analysis.groups) < 2:
+        return ()
+    doubtful = [one.feature for one in analysis.suspects if one.agreement < _LIKE_ANOTHER]
+    alone = deciding_features(analysis.sensitivity, len(analysis.groups))
+    return tuple(dict.fromkeys([*doubtful, *alone]))
 
 
 def unstable_parts(analysis: Analysis, stability: Stability) -> list[str]:
@@ -80,9 +98,29 @@ def _verdict(analysis: Analysis) -> str:
         return "How stable the grouping is was not assessed (`bootstrap` is 0)."
     if stable:
         return "The grouping is stable under new draws of these networks and trials."
+    features = hanging(analysis)
+    if features and analysis.stability and not unstable_parts(analysis, analysis.stability):
+        return (
+            f"The groups hang on {_names(features)}: {_without(analysis, features)}. With it they "
+            "come back under new draws of these networks and trials; whether they are groups of "
+            "behaviour depends on whether it is one."
+        )
     return (
         "The grouping is NOT stable: other trials of the same networks would give other groups. "
         "Record more trials or networks, or take the groups as a suggestion to be checked."
+    )
+
+
+def _names(features: Sequence[str]) -> str:
+    listed = " and ".join(f"`{name}`" for name in features)
+    return f"{listed} alone" if len(features) == 1 else listed
+
+
+def _without(analysis: Analysis, features: Sequence[str]) -> str:
+    counts = {one.feature: one.n_groups for one in analysis.suspects}
+    n_groups = min(counts.get(name, 1) for name in features)
+    return f"without {'it' if len(features) == 1 else 'each of them'} there is " + (
+        "one group" if n_groups == 1 else f"another grouping, of {n_groups} groups"
     )
 
 

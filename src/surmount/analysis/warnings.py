@@ -12,7 +12,7 @@ from scipy.stats import fisher_exact
 from surmount.analysis.description import describe_variants
 from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
-from surmount.analysis.trust import unstable_parts
+from surmount.analysis.trust import hanging, unstable_parts
 
 _FEW_TRIALS = 10
 _TOLD_APART = 0.05
@@ -23,6 +23,7 @@ def analysis_warnings(analysis: Analysis) -> Analysis:
     """Return the analysis with its warnings filled in."""
     found = [
         *_about_data(analysis),
+        *_about_features(analysis),
         *_about_fits(analysis),
         *_about_groups(analysis),
         *_about_order(analysis),
@@ -32,7 +33,7 @@ def analysis_warnings(analysis: Analysis) -> Analysis:
 
 
 def _about_data(analysis: Analysis) -> list[str]:
-    found: list[str] = []
+    found: list[str] = list(analysis.notes)
     if analysis.features.dropped:
         found.append(
             "Left out because they never change, or by rounding only: "
@@ -52,6 +53,35 @@ def _about_data(analysis: Analysis) -> list[str]:
     return found
 
 
+_SUSPECTED = {
+    "clock": "rises over the whole table from trial to trial, as a clock or a counter does",
+    "task": "has a single value on each variant, as the task itself has",
+}
+
+
+def _about_features(analysis: Analysis) -> list[str]:
+    """Warn of features that may not be behaviour, and of those that decide alone."""
+    found: list[str] = []
+    hung_on = hanging(analysis)
+    for one in analysis.suspects:
+        hang = f", and the groups hang on it ({_groups(one.n_groups)} without it)"
+        found.append(
+            f"`{one.feature}` {_SUSPECTED[one.kind]}{hang if one.feature in hung_on else ''}. If "
+            "it is no behaviour, leave it out (name the others with `features`)."
+        )
+    suspected = {one.feature for one in analysis.suspects}
+    found += [
+        f"Without `{name}` all variants are one group: the groups stand on this one feature."
+        for name in hung_on
+        if name not in suspected
+    ]
+    return found
+
+
+def _groups(count: int) -> str:
+    return "one group" if count == 1 else f"{count} groups"
+
+
 def _about_fits(analysis: Analysis) -> list[str]:
     found: list[str] = []
     if analysis.not_converged:
@@ -68,8 +98,9 @@ def _about_fits(analysis: Analysis) -> list[str]:
         )
     if analysis.collapsed:
         found.append(
-            f"Components collapsed and were removed ({analysis.collapsed} in all): their variants "
-            "hold fewer distinct samples than components."
+            f"Components collapsed and were removed ({analysis.collapsed} in all): each had come "
+            "to describe fewer samples than a covariance needs "
+            f"({len(analysis.features.names) + 1})."
         )
     curve = analysis.bic
     if curve and curve.minimum == curve.components[-1] == analysis.config.max_components:

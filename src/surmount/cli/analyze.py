@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
+from surmount.cli.columns import ColumnOptions
 from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.cli.part_progress import PartProgress
 
 
 def analyze(
     trials: Annotated[Path, tyro.conf.Positional],
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    columns: tyro.conf.OmitArgPrefixes[ColumnOptions] = ColumnOptions(),  # noqa: B008 - frozen
     config: ConfigFile = None,
     set: Assignments = (),  # noqa: A002 - the option's name
 ) -> int:
@@ -23,31 +26,21 @@ def analyze(
     show --why`), report.html (the same as a page) and its figures.
 
     Args:
-        trials: Long table, Parquet or CSV: variant, network, trial, success, then one column per
-            feature, one row per time step.
+        trials: Table with one row per time step, in CSV, Parquet or Arrow: variant, network,
+            trial, success, then one column per feature; or a folder of tables.
         out: Folder for the results.
+        columns: Which column holds what.
         config: TOML or JSON file of analysis options to change, such as linkage = "complete".
         set: Analysis option to change, as key=value; may be repeated; overrides the file.
     """
-    from surmount.analysis.configuration import AnalysisConfig
-    from surmount.analysis.description import describe_curriculum
-    from surmount.analysis.determination import determine_curriculum
-    from surmount.analysis.trust import describe_trust
-    from surmount.core.configuration import override
-    from surmount.report.pages import write_analysis_report
-    from surmount.trials.table import read_trials
-    from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
-    from surmount.workflow.store import output_errors, sole_user
+    with PartProgress() as progress:
+        progress(f"reading {trials}")  # before what takes long to import
+        analysis, page = _analysed(trials, out, columns, overrides(config, set), progress)
 
-    chosen = override(AnalysisConfig(), overrides(config, set))
-    table = read_trials(
-        trials, minimum_variants=2, minimum_samples=chosen.min_samples_per_component
-    )
-    with sole_user(out), output_errors(out):
-        analysis = determine_curriculum(table, chosen)
-        analysis.save(out / ANALYSIS_FILE)
-        analysis.curriculum.save(out / CURRICULUM_FILE)
-        page = write_analysis_report(analysis.to_record(), out)
+    from surmount.analysis.description import describe_curriculum
+    from surmount.analysis.trust import describe_trust
+    from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
+
     print("\n".join(describe_curriculum(analysis.curriculum)))
     print("\nHow far to trust it")
     for sentence in (*describe_trust(analysis), *analysis.warnings):
@@ -55,3 +48,35 @@ def analyze(
     print(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
     print(f"To read: {page}")
     return 0
+
+
+def _analysed(
+    trials: Path,
+    out: Path,
+    columns: ColumnOptions,
+    changes: dict[str, Any],
+    progress: PartProgress,
+) -> tuple[Any, Path]:
+    """Read, analyse and write; return the analysis and where its page is."""
+    from surmount.analysis.configuration import AnalysisConfig
+    from surmount.analysis.determination import determine_curriculum
+    from surmount.core.configuration import override
+    from surmount.report.pages import write_analysis_report
+    from surmount.trials.table import read_trials
+    from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
+    from surmount.workflow.store import output_errors, sole_user
+
+    chosen = override(AnalysisConfig(), changes)
+    table = read_trials(
+        trials,
+        columns=columns.columns(),
+        minimum_variants=2,
+        minimum_samples=chosen.min_samples_per_component,
+    )
+    with sole_user(out), output_errors(out):
+        analysis = determine_curriculum(table, chosen, progress=progress)
+        progress("page and figures")
+        analysis.save(out / ANALYSIS_FILE)
+        analysis.curriculum.save(out / CURRICULUM_FILE)
+        page = write_analysis_report(analysis.to_record(), out)
+    return analysis, page

@@ -1,51 +1,33 @@
-"""``surmount convert``: logs of other frameworks into a table of trials."""
+"""``surmount convert``: logs of any make into a table of trials."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
-from surmount.core.errors import ConfigError
-
-Named = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=COLUMN")]
+from surmount.cli.columns import ColumnOptions
 
 
 def convert(
     log: Annotated[Path, tyro.conf.Positional],
     *,
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")],
-    variant: Named = (),
-    feature: Named = (),
-    trial: str = "episode",
-    success: str = "success",
-    network: str = "",
+    columns: tyro.conf.OmitArgPrefixes[ColumnOptions] = ColumnOptions(),  # noqa: B008 - frozen
 ) -> int:
-    """Turn a log with columns of its own names into trials for `surmount analyze`.
+    """Turn logs with columns of their own names into a table of trials, and say what is in it.
 
     Args:
-        log: CSV or Parquet file with one row per step, for example written by a Unity agent.
+        log: CSV, Parquet or Arrow file with one row per step, a folder of such files, or a Minari
+            data set.
         out: Table of trials to write, .parquet or .csv.
-        variant: Task parameter and its column, as height_mm=StepHeight; may be repeated.
-        feature: Feature and its column, as time_s=Time; may be repeated.
-        trial: Column of the episode's number.
-        success: Column that is true on a row where the goal is reached.
-        network: Column of the training run, if there are several.
+        columns: Which column holds what.
     """
-    from surmount.exports.trial_logs import Columns, read_log
-    from surmount.trials.table import write_trials
+    from surmount.trials.table import read_trials, write_trials
     from surmount.workflow.store import output_errors
 
-    columns = Columns(
-        variant=_pairs(variant, "--variant"),
-        features=_pairs(feature, "--feature"),
-        trial=trial,
-        success=success,
-        network=network,
-    )
-    trials = read_log(log, columns)
+    trials = read_trials(log, columns=columns.columns())
     with output_errors(out.parent):
         write_trials(out, trials)
     variants, _ = trials.variants()
@@ -53,22 +35,6 @@ def convert(
         f"{trials.n_trials} trials on {len(variants)} variants, {int(trials.success.sum())} "
         f"succeeded, {trials.n_samples} rows: {out}"
     )
+    for note in trials.notes:
+        print(f"  {note}")
     return 0
-
-
-def _pairs(given: Sequence[str], option: str) -> dict[str, str]:
-    pairs: dict[str, str] = {}
-    for one in given:
-        name, equals, column = (part.strip() for part in one.partition("="))
-        if not equals or not name or not column:
-            raise ConfigError(
-                f"`{option} {one}` is not a name and a column.",
-                remedy=f"Write it as {option} height_mm=StepHeight.",
-            )
-        if name in pairs:
-            raise ConfigError(
-                f"`{option} {name}` is given twice, as `{pairs[name]}` and as `{column}`.",
-                remedy=f"Give each name of {option} once.",
-            )
-        pairs[name] = column
-    return pairs

@@ -9,7 +9,7 @@ from traceback import walk_tb
 from surmount.core.errors import ConfigError, MissingExtraError, SurmountError
 
 EXTRAS = {
-    "polars": "tables",
+    "h5py": "minari",
     "mujoco": "robot",
     "gymnasium": "robot",
     "torch": "learn",

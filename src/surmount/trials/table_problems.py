@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from surmount.core.arrays import IntArray
@@ -11,10 +12,23 @@ _SHOWN_ROWS = 5
 _SHOWN_PROBLEMS = 20
 
 
+def _counted_from_one(row: int) -> str:
+    return str(row + 1)
+
+
 @dataclass
 class Problems:
-    """Problems found so far, each with its remedy."""
+    """Problems found so far, each with its remedy.
 
+    Attributes
+    ----------
+    place
+        How a row, counted from 0, is called.
+    found
+        Problems and their remedies.
+    """
+
+    place: Callable[[int], str] = _counted_from_one
     found: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
 
     def add(self, problem: str, remedy: str) -> None:
@@ -24,7 +38,7 @@ class Problems:
     def rows(self, rows: IntArray, problem: str, remedy: str) -> None:
         """Note a problem of some rows, counted from 0, if there are any."""
         if rows.size:
-            listed = ", ".join(str(row + 1) for row in rows[:_SHOWN_ROWS])
+            listed = ", ".join(self.place(int(row)) for row in rows[:_SHOWN_ROWS])
             more = f" and {rows.size - _SHOWN_ROWS} more" if rows.size > _SHOWN_ROWS else ""
             self.add(f"row{'s' if rows.size > 1 else ''} {listed}{more}: {problem}", remedy)
 

@@ -44,6 +44,10 @@ class Trials:
         First step of each trial and, last, the number of steps; shape ``(trial + 1,)``.
     features
         One row per control step, shape ``(sample, feature)``.
+    network_names
+        Name of each network by its index; empty where networks have numbers only.
+    notes
+        What a reader must know of how these trials were read, in sentences.
     axes
         One for each task parameter, see :mod:`surmount.core.axis`; all are continuous where none
         are given.
@@ -57,6 +61,8 @@ class Trials:
     success: BoolArray
     starts: IntArray
     features: FloatArray
+    network_names: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     axes: Axes = ()
 
     def __post_init__(self) -> None:
@@ -102,6 +108,10 @@ class Trials:
     def lengths(self) -> IntArray:
         """Number of control steps of each trial, shape ``(trial,)``."""
         return np.diff(self.starts)
+
+    def network_name(self, network: int) -> str:
+        """Return what a network is called: its name, or its number."""
+        return self.network_names[network] if self.network_names else str(network)
 
     def variants(self) -> tuple[FloatArray, IntArray]:
         """Return the distinct variants in ascending order, and each trial's index into them.
@@ -150,6 +160,8 @@ class Trials:
             success=self.success[mask],
             starts=np.concatenate([[0], np.cumsum(self.lengths[mask])]).astype(np.int64),
             features=self.features[rows],
+            network_names=self.network_names,
+            notes=self.notes,
             axes=self.axes,
         )
 
@@ -202,27 +214,42 @@ class Trials:
         """
         first = parts[0]
         for part in parts[1:]:
-            if (part.parameters, part.feature_names) != (first.parameters, first.feature_names):
+            if _made_of(part) != _made_of(first):
                 raise InputError(
-                    "Trials to join differ in parameters or features: "
-                    f"{(first.parameters, first.feature_names)} and "
-                    f"{(part.parameters, part.feature_names)}.",
+                    f"Trials to join differ in parameters or features: {_made_of(first)} "
+                    f"and {_made_of(part)}.",
                     remedy="Join only trials of one task family, logged alike.",
                 )
         axes = common_axes([part.axes for part in parts], first.parameters)
         parts = [part.on(axes) for part in parts]
         lengths = np.concatenate([part.lengths for part in parts])
+        network, names = _pooled_networks(parts)
         return cls(
             parameters=first.parameters,
             feature_names=first.feature_names,
             variant=np.concatenate([part.variant for part in parts]),
-            network=np.concatenate([part.network for part in parts]),
+            network=network,
             repetition=np.concatenate([part.repetition for part in parts]),
             success=np.concatenate([part.success for part in parts]),
             starts=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
             features=np.concatenate([part.features for part in parts]),
             axes=axes,
+            network_names=names,
+            notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         )
+
+
+def _made_of(trials: Trials) -> tuple[object, ...]:
+    return trials.parameters, trials.feature_names
+
+
+def _pooled_networks(parts: Sequence[Trials]) -> tuple[IntArray, tuple[str, ...]]:
+    """Return the networks of several parts: one numbering where any of them has names."""
+    if not any(part.network_names for part in parts):
+        return np.concatenate([part.network for part in parts]), ()
+    called = [[part.network_name(one) for one in part.network.tolist()] for part in parts]
+    names, number = np.unique(np.concatenate(called), return_inverse=True)
+    return number.reshape(-1).astype(np.int64), tuple(names.tolist())
 
 
 def _moved(old: Axis, new: Axis, name: str, column: FloatArray) -> FloatArray:

@@ -8,15 +8,8 @@ import numpy as np
 
 from surmount.analysis.description import runs
 from surmount.core.arrays import FloatArray
+from surmount.core.units import stem_and_unit
 
-_LENGTHS_AND_ANGLES = {"mm": "mm", "m": "m", "deg": "°", "rad": "rad"}
-UNITS = {
-    "s": "s",
-    **_LENGTHS_AND_ANGLES,
-    **{f"{name}_s": f"{unit}/s" for name, unit in _LENGTHS_AND_ANGLES.items()},
-    **{f"{name}_s2": f"{unit}/s²" for name, unit in _LENGTHS_AND_ANGLES.items()},
-}
-"""Units that names end in, after an underscore, and how they are printed."""
 UNDEFINED = "—"
 MINUS = "\N{MINUS SIGN}"
 SPACE = "\N{NO-BREAK SPACE}"
@@ -40,11 +33,8 @@ _NAMES = {"fbem": "FBEM"}
 
 def name_and_unit(name: str) -> tuple[str, str]:
     """Split ``"sprawl_deg"`` into ``("sprawl", "°")``; the unit is empty where there is none."""
-    for unit in sorted(UNITS, key=len, reverse=True):  # a speed's is longer than a time's
-        stem = name.removesuffix(f"_{unit}")
-        if stem and stem != name:
-            return _NAMES.get(stem, stem.replace("_", " ")), UNITS[unit]
-    return _NAMES.get(name, name.replace("_", " ")), ""
+    stem, unit = stem_and_unit(name)
+    return _NAMES.get(stem, stem.replace("_", " ")), unit
 
 
 def axis_label(name: str) -> str:

@@ -44,8 +44,8 @@ def grouping_section(analysis: Analysis | None) -> Section:
     blocks: list[Block] = [
         Paragraph(
             text=f"{counted(int(analysis.n_trials.sum()), 'trial')} on "
-            f"{counted(analysis.variants.shape[0], 'variant')} were logged. The behaviour on each "
-            "variant was described by a mixture of Gaussians over "
+            f"{counted(analysis.variants.shape[0], 'variant')} by {analysis.networks} were logged. "
+            "The behaviour on each variant was described by a mixture of Gaussians over "
             f"{listed([axis_label(name) for name in analysis.features.names])}; variants with "
             "similar mixtures form a group, and groups are ranked by their success."
         ),

@@ -1,0 +1,150 @@
+"""Features that may decide a grouping and be no behaviour: clocks, counters, the task itself."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from surmount.analysis.agreement import adjusted_rand
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.features import variant_samples
+from surmount.analysis.hellinger import hellinger_matrix
+from surmount.analysis.mixture import Mixture
+from surmount.analysis.sensitivity import group_variants, marginal, refits
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.trials.trials import Trials
+
+SuspectKind = Literal["clock", "task"]
+_FEWEST_TRIALS = 8
+"""Of fewer, ranges that do not overlap may be chance."""
+_CONSTANT = 1e-9
+"""Range within a variant, as a share of the whole, below which there is one value."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suspect:
+    """A feature that may not be behaviour.
+
+    Attributes
+    ----------
+    feature
+        Its name.
+    kind
+        ``"clock"``: it rises over the whole table from trial to trial; ``"task"``: it has a single
+        value on each variant.
+    n_groups
+        Groups without all such features.
+    agreement
+        Adjusted Rand index of these groups with the analysis's own.
+    """
+
+    feature: str
+    kind: SuspectKind
+    n_groups: int
+    agreement: float
+
+
+def find_suspects(
+    trials: Trials,
+    names: Sequence[str],
+    mixtures: Sequence[Mixture],
+    labels: IntArray,
+    config: AnalysisConfig,
+    *,
+    reduced: bool,
+    seed: int,
+) -> tuple[Suspect, ...]:
+    """Find features that may not be behaviour, and how the grouping is without them.
+
+    Parameters
+    ----------
+    trials
+        The trials of the analysis.
+    names
+        Features that it used, as logged.
+    mixtures, labels
+        Its mixtures and groups.
+    config
+        Its configuration.
+    reduced
+        Whether its mixtures are over principal components: then leaving features out takes new
+        fits.
+    seed
+        Seed of its fits.
+    """
+    kinds: dict[str, SuspectKind] = {}
+    _, variant = trials.variants()
+    for name in names:
+        values = trials.column(name)
+        low, high = _ranges(trials, values)
+        if _is_clock(trials, values, low, high):
+            kinds[name] = "clock"
+        elif _is_task(variant, low, high):
+            kinds[name] = "task"
+    if not kinds:
+        return ()
+    found = _groups_without(trials, names, list(kinds), mixtures, config, reduced, seed)
+    n_groups, agreement = int(found.max()) + 1, adjusted_rand(found, labels)
+    return tuple(
+        Suspect(feature=name, kind=kind, n_groups=n_groups, agreement=agreement)
+        for name, kind in kinds.items()
+    )
+
+
+def _groups_without(
+    trials: Trials,
+    names: Sequence[str],
+    left_out: Sequence[str],
+    mixtures: Sequence[Mixture],
+    config: AnalysisConfig,
+    reduced: bool,
+    seed: int,
+) -> IntArray:
+    kept = [index for index, name in enumerate(names) if name not in left_out]
+    if not kept:
+        return np.zeros(len(mixtures), dtype=np.int64)
+    if not reduced:
+        partial = [marginal(mixture, kept) for mixture in mixtures]
+        return group_variants(hellinger_matrix(partial), config)
+    without = dataclasses.replace(config, features=tuple(names[index] for index in kept))
+    data = variant_samples(trials, without)
+    count = max(mixture.n_components for mixture in mixtures)
+    return group_variants(
+        hellinger_matrix(refits(data.samples, data, count, without, seed)), config
+    )
+
+
+def _ranges(trials: Trials, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the smallest and the largest value of each trial, shape ``(trial,)`` each."""
+    begin = trials.starts[:-1]
+    return np.minimum.reduceat(values, begin), np.maximum.reduceat(values, begin)
+
+
+def _is_clock(trials: Trials, values: FloatArray, low: FloatArray, high: FloatArray) -> bool:
+    """Whether values never fall within a trial, and each trial has a range of its own.
+
+    A value that stands still within trials is a counter where it is a whole number.
+    """
+    if low.size < _FEWEST_TRIALS:
+        return False
+    order = np.argsort(low, kind="stable")
+    if (high[order][:-1] > low[order][1:]).any() or np.unique(low).size < low.size:
+        return False
+    step = np.diff(values)
+    step[trials.starts[1:-1] - 1] = 0.0
+    moves = bool((step > 0).any())
+    return bool((step >= 0).all()) and (moves or bool((low == np.floor(low)).all()))
+
+
+def _is_task(variant: IntArray, low: FloatArray, high: FloatArray) -> bool:
+    n_variants = int(variant.max()) + 1
+    least, most = np.full(n_variants, np.inf), np.full(n_variants, -np.inf)
+    np.minimum.at(least, variant, low)
+    np.maximum.at(most, variant, high)
+    whole = float(most.max() - least.min())
+    single: BoolArray = (most - least) <= _CONSTANT * whole
+    return whole > 0 and bool(single.all())

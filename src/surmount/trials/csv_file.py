@@ -1,0 +1,193 @@
+"""CSV as people and spreadsheets write it: what separates it is found, every column is text.
+
+Nothing is guessed about a column here: its type is decided later, once, from all of its entries.
+"""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import polars as pl
+
+from surmount.core.errors import InputError
+from surmount.trials.source import POLARS_ERRORS, Source
+
+_SEPARATORS = (",", ";", "\t", "|")
+_HEAD_CHARACTERS = 1 << 18
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_UNNAMED = "surmount.unnamed."
+_INDEX_NOTE = "The first column, which has no name, numbers rows: it was left out."
+CSV_ENDINGS = (".csv", ".tsv", ".txt")
+
+
+def open_csv(path: Path) -> Source:
+    """Open a CSV file, compressed or not, without reading more than its head.
+
+    The separator is the one of comma, semicolon, tab and bar that divides the header most, or the
+    one that a first line ``sep=;`` names. Blank rows are skipped, columns without a name and
+    without entries left out.
+
+    Raises
+    ------
+    InputError
+        If it is missing, not text in UTF-8 (or UTF-16 with its mark), or its rows are not of the
+        header's length.
+    """
+    content: Path | bytes = path
+    try:
+        with path.open("rb") as file:
+            mark = file.read(2)
+        if mark in _UTF_16:
+            content = path.read_bytes().decode("utf-16").encode()
+        head = _head(content)
+    except UnicodeDecodeError as error:
+        raise _not_utf8(path, error) from error
+    except (OSError, EOFError, ValueError, *POLARS_ERRORS) as error:
+        raise InputError(
+            f"{path} cannot be read ({_first_line(error)}).",
+            remedy="Give the path of a readable table.",
+        ) from error
+    separator, header, skipped = _header(head)
+    if not header:
+        return Source(name=str(path), frame=pl.LazyFrame())
+    names = [name or f"{_UNNAMED}{index}" for index, name in enumerate(header)]
+    again = sorted({name for name in names if names.count(name) > 1})
+    if again:
+        raise InputError(
+            f"{path}: several columns have the name `{again[0]}`.",
+            remedy="Name each column once.",
+        )
+    whole = pl.scan_csv(
+        io.BytesIO(content) if isinstance(content, bytes) else content,
+        has_header=False,
+        skip_lines=skipped,
+        separator=separator,
+        schema=dict.fromkeys(names, pl.String),
+    )
+    filled = ~pl.all_horizontal(pl.all().is_null())
+
+    def place(row: int) -> str:
+        """Return a row's number among those of the file, blank ones counted."""
+        return str(int(source.collect(whole.select(filled.arg_true().gather(row))).item()) + 1)
+
+    source = Source(
+        name=str(path),
+        frame=whole.filter(filled),
+        place=place,
+        decimal_commas=separator != ",",
+        explain=partial(_explain, path, content, separator, len(names), skipped),
+    )
+    return _without_unnamed(source, names)
+
+
+def _head(content: Path | bytes) -> str:
+    """Return the first characters of a file, whole lines where there are several."""
+    if isinstance(content, bytes):
+        return content[:_HEAD_CHARACTERS].decode("utf-8", "ignore").removeprefix("\ufeff")
+    if content.suffix in (".zst", ".zstd"):  # Python has no reader of its own before 3.14
+        lines = pl.read_csv(
+            content,
+            has_header=False,
+            separator="\x1f",
+            quote_char=None,
+            n_rows=20,
+            infer_schema=False,
+            truncate_ragged_lines=True,
+        )
+        return "\n".join(str(line or "") for line in lines.to_series()) + "\n"
+    opened = gzip.open if content.suffix == ".gz" else io.open
+    with opened(content, "rt", encoding="utf-8-sig", newline="") as file:
+        text = file.read(_HEAD_CHARACTERS)
+    return str(text)
+
+
+def _header(head: str) -> tuple[str, list[str], int]:
+    """Return the separator, the names of the columns and the lines before the first row."""
+    lines, skipped, separators = head, 0, _SEPARATORS
+    first, _, rest = head.partition("\n")
+    if first.strip().strip('"').lower().startswith("sep="):
+        named = first.strip("\r\n").strip('"')[len("sep=") :]
+        lines, skipped, separators = rest, 1, (named[:1] or "\t",)
+    found: list[tuple[str, list[str], int]] = []
+    for separator in separators:
+        reader = csv.reader(io.StringIO(lines, newline=""), delimiter=separator)
+        try:
+            header = [name.strip() for name in next(reader, [])]
+        except (csv.Error, StopIteration):
+            continue
+        found.append((separator, header, skipped + reader.line_num))
+    if not found:
+        return ",", [], 0
+    return max(found, key=lambda one: len(one[1]))  # of several as good, the first
+
+
+def _explain(
+    path: Path, content: Path | bytes, separator: str, n_columns: int, skipped: int
+) -> None:
+    """Raise what is wrong with a file."""
+    try:
+        for row, entries in enumerate(_rows(content, separator, skipped), start=1):
+            if len(entries) > n_columns:
+                raise InputError(
+                    f"{path}: row {row} has {len(entries)} entries under {n_columns} column names.",
+                    remedy="Give each row one entry per column, and quote entries that hold the "
+                    "separator.",
+                )
+    except UnicodeDecodeError as error:
+        raise _not_utf8(path, error) from error
+    except (OSError, EOFError):
+        return
+    except csv.Error:
+        pass
+    raise InputError(
+        f"{path} cannot be read as CSV: a quote is opened and not closed, or stands in the middle "
+        "of an entry.",
+        remedy="Quote whole entries, and double the quotes inside.",
+    )
+
+
+def _rows(content: Path | bytes, separator: str, skipped: int) -> Iterator[list[str]]:
+    if isinstance(content, bytes):
+        binary: io.BufferedIOBase = io.BytesIO(content)
+    elif content.suffix in (".zst", ".zstd"):
+        return
+    else:
+        opened = gzip.open if content.suffix == ".gz" else io.open
+        binary = opened(content, "rb")  # type: ignore[assignment]
+    with binary, io.TextIOWrapper(binary, encoding="utf-8-sig", newline="") as text:
+        for _ in range(skipped):
+            text.readline()
+        yield from csv.reader(text, delimiter=separator)
+
+
+def _without_unnamed(source: Source, names: list[str]) -> Source:
+    """Leave out columns that have no name: an index of rows, or blank tails of lines."""
+    unnamed = [name for name in names if name.startswith(_UNNAMED)]
+    if not unnamed:
+        return source
+    filled = source.collect(source.frame.select(pl.col(unnamed).is_not_null().any()))
+    index = names[0] in unnamed and bool(filled[names[0]].item())
+    kept = [name for name in unnamed if filled[name].item() and name != names[0]]
+    frame = source.frame.drop([name for name in unnamed if name not in kept])
+    return replace(
+        source,
+        frame=frame.rename({name: " " * place for place, name in enumerate(kept, start=1)}),
+        notes=(_INDEX_NOTE,) if index else (),
+    )
+
+
+def _not_utf8(path: Path, error: UnicodeDecodeError) -> InputError:
+    return InputError(
+        f"{path} is not UTF-8 text ({error.reason} at byte {error.start}).",
+        remedy="Save it as CSV in UTF-8.",
+    )
+
+
+def _first_line(error: BaseException) -> str:
+    return str(error).splitlines()[0][:200] if str(error) else type(error).__name__

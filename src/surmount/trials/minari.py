@@ -1,0 +1,94 @@
+"""Data sets of Minari: one group of arrays per episode, in HDF5.
+
+Its format: ``data/main_data.hdf5`` with ``episode_<n>`` holding ``observations``, ``actions``,
+``rewards``, ``terminations``, ``truncations`` and ``infos``; observations, and infos where they are
+logged at the reset as well, have one entry more than there are steps, and the first is the reset's.
+https://minari.farama.org/content/dataset_standards/
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+
+from surmount.core.errors import InputError, MissingExtraError
+from surmount.trials.source import Source
+
+_DATA = Path("data") / "main_data.hdf5"
+_EPISODE = "episode_"
+
+
+def is_minari(path: Path) -> bool:
+    """Whether a folder is a data set of Minari."""
+    return (path / _DATA).is_file()
+
+
+def open_minari(path: Path) -> Source:
+    """Open a data set: each step is a row, each entry of an observation or action a column.
+
+    The episode's number is ``episode``; an observation is the one that its step led to; ``infos``
+    are there as ``infos.<name>``, what was said of an episode as ``episode.<name>``.
+
+    Raises
+    ------
+    InputError
+        If it is damaged, or episodes do not hold the same.
+    MissingExtraError
+        If the extra ``minari`` is not installed.
+    """
+    try:
+        import h5py  # noqa: PLC0415 - an extra, only where such a data set is opened
+    except ImportError as error:
+        raise MissingExtraError(
+            "Minari data sets are HDF5 files, which need h5py.",
+            remedy='Install it with `pip install "surmount[minari]"`.',
+        ) from error
+    file: Any
+    try:
+        with h5py.File(path / _DATA, "r") as file:
+            names = [name for name in file if name.startswith(_EPISODE)]
+            names.sort(key=lambda name: int(name.removeprefix(_EPISODE)))
+            frames = [_episode(file[name], int(name.removeprefix(_EPISODE))) for name in names]
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise InputError(
+            f"{path} cannot be read as a Minari data set: it is damaged, or of another version.",
+            remedy="Download or record it again.",
+        ) from error
+    if not frames:
+        raise InputError(f"{path} holds no episodes.", remedy="Record at least one episode.")
+    odd = [i for i, frame in enumerate(frames) if frame.schema != frames[0].schema]
+    if odd:
+        raise InputError(
+            f"{path}: {names[odd[0]]} does not hold the same as {names[0]}.",
+            remedy="Use a data set of one environment.",
+        )
+    return Source(name=str(path), frame=pl.concat(frames).lazy())
+
+
+def _episode(group: Any, number: int) -> pl.DataFrame:
+    n_steps = int(group["rewards"].shape[0])
+    columns: dict[str, np.ndarray[Any, Any]] = {"episode": np.full(n_steps, number)}
+    for name, value in group.attrs.items():
+        if name not in ("id", "total_steps") and np.ndim(value) == 0:
+            text = value.decode() if isinstance(value, bytes) else value
+            columns[f"episode.{name}"] = np.full(n_steps, text)
+    for name in group:
+        _add(columns, name, group[name], n_steps)
+    return pl.DataFrame(columns)
+
+
+def _add(columns: dict[str, np.ndarray[Any, Any]], name: str, node: Any, n_steps: int) -> None:
+    if hasattr(node, "keys"):
+        for inner in node:
+            _add(columns, f"{name}.{inner}", node[inner], n_steps)
+        return
+    values = np.asarray(node[()])
+    if values.ndim == 0 or values.shape[0] < n_steps or values.dtype.kind not in "biuf":
+        return
+    values = values[-n_steps:].reshape(n_steps, -1)
+    alone = np.ndim(node) == 1
+    for place, column in enumerate(values.T):
+        columns[name if alone else f"{name}.{place}"] = column

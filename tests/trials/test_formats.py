@@ -1,0 +1,355 @@
+"""Every format in which trials come, each with a sample, and what of it is refused."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import io
+import json
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+
+from surmount import Columns, read_trials, trials_from_arrays, trials_from_table
+from surmount.cli.main import run
+from surmount.core.errors import ConfigError, InputError
+
+ROWS = [(1, "a", 0, 1, 0.5), (1, "b", 0, 0, 1.5), (2, "a", 0, 1, 0.6), (2, "b", 0, 0, 1.6)]
+NAMES = ["variant", "network", "trial", "success", "fx"]
+
+
+def text(separator=",", decimal=".", end="\n") -> str:
+    rows = [separator.join(str(one).replace(".", decimal) for one in row) for row in ROWS]
+    return end.join([separator.join(NAMES), *rows]) + end
+
+
+def frame() -> pl.DataFrame:
+    return pl.DataFrame(ROWS, schema=NAMES, orient="row")
+
+
+def sound(trials) -> None:
+    assert trials.variant[:, 0].tolist() == [1, 1, 2, 2]
+    assert [trials.network_name(one) for one in trials.network] == ["a", "b", "a", "b"]
+    assert trials.success.tolist() == [True, False, True, False]
+    assert trials.column("fx").tolist() == [0.5, 1.5, 0.6, 1.6]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        text().encode(),
+        text(";").encode(),
+        text(";", ",").encode(),
+        text("\t", ",").encode(),
+        text("|").encode(),
+        text(end="\r\n").encode(),
+        b"\xef\xbb\xbf" + text().encode(),
+        text(";").encode("utf-16"),
+        b"sep=;\r\n" + text(";", ",", "\r\n").encode(),
+        text().encode() + b"\n,,,,\n  \n"[:-3],
+        text().replace("fx\n", "fx,,\n").replace(".5\n", ".5,,\n").encode(),
+        text().replace("\n2,a", "\n\n2, a ").encode(),
+    ],
+    ids=["comma", "semicolon", "decimal comma", "tab", "bar", "crlf", "mark", "utf-16", "sep",
+         "blank rows", "blank columns", "spaces"],
+)  # fmt: skip
+def test_csv_of_every_make_is_the_same_table(tmp_path, content):
+    (tmp_path / "t.csv").write_bytes(content)
+    sound(read_trials(tmp_path / "t.csv"))
+
+
+def test_compressed_csv_is_read(tmp_path):
+    (tmp_path / "t.csv.gz").write_bytes(gzip.compress(text().encode()))
+    sound(read_trials(tmp_path / "t.csv.gz"))
+    frame().write_csv(tmp_path / "t.csv.zst", compression="zstd")
+    sound(read_trials(tmp_path / "t.csv.zst"))
+
+
+def test_parquet_arrow_and_feather_are_read(tmp_path):
+    frame().write_parquet(tmp_path / "t.parquet")
+    frame().write_ipc(tmp_path / "t.arrow")
+    frame().write_ipc(tmp_path / "t.feather", compression="lz4")
+    for name in ("t.parquet", "t.arrow", "t.feather"):
+        sound(read_trials(tmp_path / name))
+
+
+class OnlyArrow:
+    """A frame of some library that Arrow's stream is all that is known of."""
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        return frame().__arrow_c_stream__(requested_schema)
+
+
+def test_frames_of_every_library_are_read():
+    columns = frame().to_dict(as_series=False)
+    nullable = pd.DataFrame(columns).convert_dtypes()
+    categorical = pd.DataFrame(columns).astype({"network": "category"})
+    for table in (
+        frame(),
+        frame().lazy(),
+        columns,
+        pd.DataFrame(columns),
+        nullable,
+        categorical,
+        OnlyArrow(),
+    ):
+        sound(trials_from_table(table))
+
+
+def test_arrays_by_trial_are_read():
+    arrays = [np.array([[fx]]) for *_, fx in ROWS]
+    told = {"feature_names": ["fx"], "success": [1, 0, 1, 0], "network": ["a", "b"] * 2}
+    sound(trials_from_arrays(arrays, variant=[1, 1, 2, 2], **told))
+    trials = trials_from_arrays(arrays, variant={"w": [1, 1, 2, 2], "h": [0, 0, 0, 1]}, **told)
+    assert trials.parameters == ("w", "h")
+    with pytest.raises(InputError, match="`variant` has 3 entries for 4 trials"):
+        trials_from_arrays(arrays, variant=[1, 1, 2], **told)
+    with pytest.raises(InputError, match=r"trial 0 have shape \(1,\)"):
+        trials_from_arrays([one[0] for one in arrays], variant=[1, 1, 2, 2], **told)
+
+
+def lerobot(**changes) -> dict:
+    """Rebuilt from the columns of LeRobot's data sets, version 2.1; three episodes, two tasks."""
+    columns = {
+        "observation.state": [[0.1 * i, 1.0] for i in range(6)],
+        "action": [[float(i)] for i in range(6)],
+        "timestamp": np.float32([0, 0.1, 0, 0.1, 0, 0.1]),
+        "frame_index": [0, 1] * 3,
+        "episode_index": [0, 0, 1, 1, 2, 2],
+        "index": range(6),
+        "task_index": [0, 0, 1, 1, 1, 1],
+        "next.done": [False, True, False, True, False, False],
+    }
+    return {name: value for name, value in (columns | changes).items() if value is not None}
+
+
+def test_a_lerobot_data_set_maps_by_itself(tmp_path):
+    pl.DataFrame(lerobot()).write_parquet(tmp_path / "file-000.parquet")
+    trials = read_trials(tmp_path / "file-000.parquet")
+    assert trials.parameters == ("task_index",)
+    assert trials.feature_names == ("time_s", "observation.state.0", "observation.state.1",
+                                    "action.0")  # fmt: skip
+    assert trials.repetition.tolist() == [0, 1, 2]
+    assert trials.success.tolist() == [True, True, False]
+    np.testing.assert_allclose(trials.column("observation.state.0"), 0.1 * np.arange(6))
+    assert any("`next.done` was taken for the outcome" in note for note in trials.notes)
+    assert any("counters and marks" in note for note in trials.notes)
+
+
+def test_an_end_that_every_episode_has_is_no_outcome():
+    with pytest.raises(InputError, match=r"`next\.done` is true at the end of every trial"):
+        trials_from_table(lerobot(**{"next.done": [False, True] * 3}))
+    done = {"next.done": [False, True] * 3}
+    told = trials_from_table(lerobot(**done, **{"next.success": [0, 0, 0, 1, 0, 0]}))
+    assert told.success.tolist() == [False, True, False]
+
+
+def test_one_entry_of_a_list_may_be_named():
+    columns = Columns(variant={"task": "task_index"}, features={"x_m": "observation.state.0"})
+    trials = trials_from_table(lerobot(), columns=columns)
+    assert trials.feature_names == ("x_m",)
+    wrong = Columns(variant={"task": "task_index"}, features={"x_m": "observation.state.2"})
+    with pytest.raises(InputError, match=r"`observation\.state` has 2 entries, not 2"):
+        trials_from_table(lerobot(), columns=wrong)
+
+
+def test_lists_of_unequal_length_are_told():
+    with pytest.raises(InputError, match="`action` holds lists of 1 to 2 entries"):
+        trials_from_table(lerobot(action=[[1.0]] * 5 + [[1.0, 2.0]]))
+
+
+def minari(folder: Path) -> Path:
+    """Rebuilt by the format that Minari's page describes: two episodes of a goal environment."""
+    (folder / "data").mkdir(parents=True)
+    (folder / "data" / "metadata.json").write_text(json.dumps({"data_format": "hdf5"}))
+    with h5py.File(folder / "data" / "main_data.hdf5", "w") as file:
+        for number, reached in ((0, 1), (10, 0), (2, 1)):
+            group = file.create_group(f"episode_{number}")
+            group.attrs["id"], group.attrs["total_steps"] = number, 3
+            group.attrs["width_m"] = 0.5 + 0.1 * (number > 0)
+            observations = group.create_group("observations")
+            observations["observation"] = np.arange(8.0).reshape(4, 2) + number
+            observations["desired_goal"] = np.zeros((4, 1))
+            group["actions"] = np.ones((3, 2))
+            group["rewards"] = np.array([0.0, 0.0, float(reached)])
+            group["terminations"] = np.array([False, False, bool(reached)])
+            group["truncations"] = np.array([False, False, not reached])
+            infos = group.create_group("infos")
+            infos["success"] = np.array([0, 0, 0, reached])
+    return folder
+
+
+def test_a_minari_data_set_is_read(tmp_path):
+    told = {"variant": {"width_m": "episode.width_m"}, "success": "infos.success"}
+    columns = Columns(**told, features={"x": "observations.observation.0", "a": "actions.1"})
+    trials = read_trials(minari(tmp_path / "door-v0"), columns=columns)
+    assert trials.repetition.tolist() == [0, 2, 10]
+    assert trials.success.tolist() == [True, True, False]
+    assert trials.variant[:, 0].tolist() == [0.5, 0.6, 0.6]
+    assert trials.column("x").tolist() == [2, 4, 6, 4, 6, 8, 12, 14, 16]  # those steps led to
+    rewarded = Columns(variant=told["variant"], success="rewards", success_above=0.5,
+                       features={"a": "actions.0"})  # fmt: skip
+    assert read_trials(tmp_path / "door-v0", columns=rewarded).success.tolist() == [1, 1, 0]
+
+
+def test_a_damaged_minari_data_set_is_refused(tmp_path):
+    folder = minari(tmp_path / "door-v0")
+    (folder / "data" / "main_data.hdf5").write_bytes(b"no HDF5")
+    with pytest.raises(InputError, match="cannot be read as a Minari data set"):
+        read_trials(folder)
+
+
+def folder_of_trials(folder: Path) -> Path:
+    folder.mkdir()
+    for width, network, trial, success in ((0.5, "a", 0, 1), (0.5, "b", 0, 0), (0.9, "a", 1, 1)):
+        name = f"width{width}_net-{network}_{trial}.csv"
+        (folder / name).write_text(f"time_s,x\n0.0,1\n0.1,{width}\n")
+        with (folder / "beside.csv").open("a") as file:
+            file.write("" if file.tell() else "file,success\n")
+            file.write(f"{name},{success}\n")
+    return folder
+
+
+def test_a_folder_with_one_file_per_trial_is_read(tmp_path):
+    folder = folder_of_trials(tmp_path / "logs")
+    pattern = "width{variant.width_m}_net-{network}_{trial}"
+    columns = Columns(names=pattern, beside=str(folder / "beside.csv"))
+    trials = read_trials(folder, columns=columns)
+    assert trials.parameters == ("width_m",)
+    assert trials.variant[:, 0].tolist() == [0.5, 0.5, 0.9]
+    assert [trials.network_name(one) for one in trials.network] == ["a", "b", "a"]
+    assert trials.success.tolist() == [True, False, True]
+    assert trials.feature_names == ("time_s", "x")
+
+
+def test_a_table_in_the_folder_says_it_all_by_itself(capsys, tmp_path):
+    folder = folder_of_trials(tmp_path / "logs")
+    (folder / "beside.csv").unlink()
+    told = ("1,n,yes", "1,n,no", "2,n,yes")
+    files = sorted(folder.iterdir())
+    rows = [f"{file.stem},{one}" for file, one in zip(files, told, strict=True)]
+    (folder / "trials.csv").write_text("file,variant,network,success\n" + "\n".join(rows))
+    assert run(["convert", str(folder), "--out", str(tmp_path / "t.parquet")]) == 0
+    assert "3 trials on 2 variants, 2 succeeded, 6 rows" in capsys.readouterr().out
+    (folder / "another.csv").write_text("time_s,x\n0.0,1\n")
+    with pytest.raises(InputError, match=r"trials.csv says nothing of another.csv"):
+        read_trials(folder)
+
+
+def test_a_row_of_a_folder_is_called_by_its_file(tmp_path):
+    folder = folder_of_trials(tmp_path / "logs")
+    (folder / "width0.9_net-a_1.csv").write_text("time_s,x\n0.0,1\n\n0.1,?\n")
+    columns = Columns(names="width{variant}_net-{network}_{trial}",
+                      beside=str(folder / "beside.csv"))  # fmt: skip
+    with pytest.raises(InputError, match=r"row 3 of width0\.9_net-a_1: `x` is not a number"):
+        read_trials(folder, columns=columns)
+    with pytest.raises(InputError, match=r"the name of the file `width0\.5_net-a_0` is not as"):
+        read_trials(folder, columns=Columns(names="w{variant}_net", beside=columns.beside))
+    (folder / "width0.9_net-a_1.csv").write_text("time_s,y\n0.0,1\n")
+    with pytest.raises(InputError, match=r"do not have the same columns \(x, y\)"):
+        read_trials(folder, columns=columns)
+
+
+def test_files_are_described_for_folders_only(tmp_path):
+    (tmp_path / "t.csv").write_text(text())
+    with pytest.raises(ConfigError, match="is not a folder"):
+        read_trials(tmp_path / "t.csv", columns=Columns(names="{variant}"))
+
+
+def uci(folder: Path) -> Path:
+    """A stand-in with the structure of UCI's Robot Execution Failures: forces of a gripper.
+
+    Several files (one per kind of movement), trials with identities in nanoseconds that come again
+    in each file, an outcome in words on each row, another as ±1 on the last; all values made up.
+    """
+    folder.mkdir()
+    rng = np.random.default_rng(0)
+    words = ["normal", "collision", "normal", "obstruction", "fr_collision"]
+    for kind, n_trials in (("lp1", 5), ("lp2", 3), ("lp3", 4)):
+        lines = ["trial,outcome,code,Fx,Fy,Tz"]
+        for trial in range(n_trials):
+            word = words[trial]
+            for step in range(15):
+                code = "" if step < 14 else (1 if word == "normal" else -1)
+                values = ",".join(str(value) for value in rng.integers(-90, 90, 3))
+                lines.append(f"{1716800000123456000 + 20 * trial},{word},{code},{values}")
+        (folder / f"{kind}.csv").write_text("\n".join(lines) + "\n")
+    return folder
+
+
+@pytest.mark.parametrize("by", ["words", "codes"])
+@pytest.mark.parametrize("path", ["library", "command", "parquet"])
+def test_the_stand_in_of_uci_gives_its_counts_by_every_path(capsys, tmp_path, by, path):
+    folder = uci(tmp_path / "uci")
+    features = {name: name for name in ("Fx", "Fy", "Tz")}
+    outcome = {"success": "outcome", "success_words": ("normal",)}
+    options = ["--success", "outcome", "--success-word", "normal"]
+    if by == "codes":
+        outcome = {"success": "code", "success_above": 0.0}
+        options = ["--success", "code", "--success-above", "0"]
+    columns = Columns(names="{variant.movement}", features=features, **outcome)
+    if path == "library":
+        trials = read_trials(folder, columns=columns)
+    else:
+        out = tmp_path / ("t.parquet" if path == "parquet" else "t.csv")
+        options += [word for name in features for word in ("--feature", f"{name}={name}")]
+        command = ["convert", str(folder), "--out", str(out), "--names", "{variant.movement}"]
+        assert run([*command, *options]) == 0
+        assert "12 trials on 3 variants, 6 succeeded, 180 rows" in capsys.readouterr().out
+        trials = read_trials(out)
+    _, which = trials.variants()
+    assert trials.axes[0].names == ("lp1", "lp2", "lp3")
+    assert np.bincount(which).tolist() == [5, 3, 4]
+    assert np.bincount(which, weights=trials.success).tolist() == [2, 2, 2]
+    if path != "parquet":  # which says it itself
+        assert any("read as a category" in note for note in trials.notes)
+
+
+def test_outcomes_in_other_words_are_refused_with_what_to_do(tmp_path):
+    columns = Columns(names="{variant.movement}", success="outcome", features={"Fx": "Fx"})
+    with pytest.raises(InputError, match=r"a word \(normal, collision, obstruction\)") as caught:
+        read_trials(uci(tmp_path / "uci"), columns=columns)
+    assert "--success-word" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"), [([0.2, 0.9, 0.4, 1.0], "a reward or a share"), ([3, 1, 2, 0], "a code")]
+)
+def test_rewards_and_shares_are_no_outcomes_until_it_is_said_above_what(values, kind):
+    table = frame().with_columns(success=pl.Series(values))
+    with pytest.raises(InputError, match=f"neither 0 nor 1 but {kind}"):
+        trials_from_table(table)
+    trials = trials_from_table(table, columns=Columns(success_above=0.5))
+    assert trials.success.tolist() == [value > 0.5 for value in values]
+
+
+def test_a_text_variant_is_a_category_and_a_mixed_one_is_refused():
+    table = frame().with_columns(variant=pl.Series(["flat", "stairs", "flat", "stairs"]))
+    trials = trials_from_table(table)
+    assert trials.axes[0].names == ("flat", "stairs")
+    assert trials.variant[:, 0].tolist() == [0, 1]
+    mixed = frame().with_columns(variant=pl.Series(["0.5", "0.6", "0.7x", "0.8"]))
+    with pytest.raises(InputError, match="row 3: `variant` is not a number"):
+        trials_from_table(mixed)
+
+
+def test_decimal_commas_beside_points_are_refused(tmp_path):
+    (tmp_path / "t.csv").write_text("variant;network;trial;success;fx;fy\n"
+                                    "1;0;0;1;0,5;1.234\n2;0;0;1;0,6;1.235\n")  # fmt: skip
+    with pytest.raises(InputError, match="`fx` has decimal commas and `fy` points"):
+        read_trials(tmp_path / "t.csv")
+
+
+def test_what_the_page_on_formats_shows_runs():
+    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    exec(compile(block, "formats.md", "exec"), {})  # noqa: S102
+    options = {flag for line in page.splitlines() for flag in re.findall(r"--[a-z][a-z-]+", line)}
+    with contextlib.redirect_stdout(io.StringIO()) as said, pytest.raises(SystemExit):
+        run(["analyze", "--help"])
+    assert options <= set(re.findall(r"--[a-z][a-z-]+", said.getvalue()))
