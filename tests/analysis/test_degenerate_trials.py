@@ -107,7 +107,10 @@ def test_several_parameters_sample_cells():
     trials = trials_of(x.reshape(-1, 2), 12, 3)
     grid = np.stack([np.repeat([0.0, 1.0, 2.0, 5.0, 6.0, 7.0], 2), np.tile([0.5, 1.0], 6)], axis=1)
     wide = dataclasses.replace(
-        trials, parameters=("height_mm", "friction"), variant=np.repeat(grid, 3, axis=0)
+        trials,
+        parameters=("height_mm", "friction"),
+        axes=(),
+        variant=np.repeat(grid, 3, axis=0),
     )
     analysis = sound(determine_curriculum(wide, QUICK))
     assert analysis.labels.tolist() == [0] * 6 + [1] * 6
@@ -182,3 +185,25 @@ def test_any_option_is_refused_or_gives_a_sound_analysis(name, value):
     except InputError:
         return
     sound(analysis)
+
+
+@pytest.mark.parametrize("outlier", [1e6, 1e99])
+def test_a_value_beside_which_all_others_vanish_is_told(outlier):
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(4 * 5 * 20, 2))
+    features[7, 1] = outlier
+    analysis = sound(determine_curriculum(trials_of(features, 4, 5), QUICK))
+    (warning,) = [text for text in analysis.warnings if "next to nothing" in text]
+    assert f"`x1` (one is {outlier:g})" in warning
+    features[7, 1] = 5.0  # far out, and one of many
+    analysis = determine_curriculum(trials_of(features, 4, 5), QUICK)
+    assert not [text for text in analysis.warnings if "next to nothing" in text]
+
+
+@pytest.mark.parametrize("n_variants", [2, 3, 4])
+def test_too_few_variants_for_a_cut_are_told(n_variants):
+    features = np.random.default_rng(0).normal(size=(n_variants * 5 * 20, 2))
+    analysis = sound(determine_curriculum(trials_of(features, n_variants, 5), QUICK))
+    told = [text for text in analysis.warnings if "cannot be cut by the rule" in text]
+    assert len(told) == (n_variants < 4)
+    assert any("No abrupt change" in text for text in analysis.warnings) == (n_variants == 4)

@@ -17,7 +17,7 @@ from surmount.experiment.config import fingerprinted
 from surmount.experiment.learning_speed import steps_to_95, success_in_training
 from surmount.experiment.presets import preset
 from surmount.experiment.running import begin, refuse_other
-from surmount.experiment.teaching import comparison_graph, training_stage
+from surmount.experiment.teaching import comparison_graph, training_stage, with_earlier
 from surmount.experiment.teaching import test_stage as stage_of_test
 from surmount.learn.training_episodes import TrainingEpisodes
 from surmount.report.teachers_page import write_teachers_report
@@ -114,6 +114,15 @@ def test_another_teacher_is_added_without_repeating_anything(compared):
     ]
     assert ("every paired interval includes zero" in text) == (not sure)
     assert (root / "figures" / "teachers-sampled.csv").is_file()
+
+
+def test_fewer_teachers_keep_those_that_are_finished(compared):
+    root, config, _, _ = compared
+    call(root, config, ("plr", "alp-gmm"))
+    names, teaching = with_earlier(root, ("plr",), TeachersConfig())
+    assert names == ("plr", "alp-gmm")
+    assert teaching.alp_gmm == TEACHING.alp_gmm  # as it was taught, or it would be taught again
+    assert with_earlier(root / "nowhere", ("plr",), TEACHING) == (("plr",), TEACHING)
 
 
 def test_a_changed_file_of_the_environment_is_another_experiment(tmp_path):

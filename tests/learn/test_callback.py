@@ -124,6 +124,14 @@ def test_value_errors_reach_prioritised_level_replay():
     assert teacher.finished
 
 
+def test_a_teacher_that_needs_a_critic_is_refused_before_the_first_step():
+    cells = TaskCells(NAMES, make_env().space.variants)
+    teacher = ReplayTeacher(cells, total_steps=600, seed=0, config=ReplayConfig())
+    with pytest.raises(ConfigError, match="SAC estimates none"):
+        learn(TeacherCallback(teacher), model=SAC, steps=400, learning_starts=500, buffer_size=500)
+    assert teacher.state_dict()["episodes"] == 0
+
+
 def test_learners_without_rollouts_update_the_teacher_now_and_then():
     teacher = Told([NEAR], AdvancementConfig(**{**vars(CONFIG), "iteration_steps": 200}))
     callback = TeacherCallback(teacher, update_steps=60)

@@ -15,10 +15,8 @@ from surmount.workflow.monitor import SilentMonitor
 class FullSpeed:
     """Drives forward at full speed: after n steps it is n * STEP from the start."""
 
-    noise_correlation = 0.0
-
-    def act(self, observations, noise):
-        return np.ones((len(observations), 1))
+    def begin(self, trials, rng, *, deterministic):
+        return lambda observations: np.ones((len(observations), 1))
 
 
 def trials_of(distances, repetitions=2):

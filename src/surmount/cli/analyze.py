@@ -12,6 +12,9 @@ from surmount.cli.columns import ColumnOptions
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.part_progress import PartProgress
 from surmount.core.axis import AxisKind
+from surmount.core.printing import say
+
+EXAMPLE = Path("example")
 
 
 def analyze(
@@ -32,7 +35,8 @@ def analyze(
 
     Args:
         trials: Table with one row per time step, in CSV, Parquet or Arrow: variant, network,
-            trial, success, then one column per feature; or a folder of tables.
+            trial, success, then one column per feature; or a folder of tables; or the word example,
+            for 720 trials of a robot before steps that come with Surmount.
         out: Folder for the results.
         columns: Which column holds what.
         logarithmic: Task parameters that are even in their logarithm.
@@ -46,6 +50,10 @@ def analyze(
         **dict.fromkeys(integer, "integer"),
         **dict.fromkeys(categorical, "categorical"),
     }
+    if trials == EXAMPLE and not trials.exists():
+        from surmount.trials.example import example_path
+
+        trials = example_path()
     with PartProgress() as progress:
         progress(f"reading {trials}")  # before what takes long to import
         analysis, page = _analysed(trials, out, columns, kinds, overrides(config, set), progress)
@@ -54,12 +62,12 @@ def analyze(
     from surmount.analysis.trust import describe_trust
     from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
 
-    print("\n".join(describe_curriculum(analysis.curriculum)))
-    print("\nHow far to trust it")
+    say("\n".join(describe_curriculum(analysis.curriculum)))
+    say("\nHow far to trust it")
     for sentence in (*describe_trust(analysis), *analysis.warnings):
-        print(f"  {sentence}")
-    print(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
-    print(f"To read: {page}")
+        say(f"  {sentence}")
+    say(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
+    say(f"To read: {page}")
     return 0
 
 

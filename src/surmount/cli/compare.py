@@ -50,19 +50,23 @@ def compare(arguments: Sequence[str]) -> int:
 
 
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
-    from rich.console import Console
-
     from surmount.core.records import read_record
     from surmount.experiment.experiment import Experiment
     from surmount.report.pages import write_report
     from surmount.report.teachers_page import write_teachers_report
+    from surmount.tasks.curriculum import ONE_GROUP
+    from surmount.workflow.console import SafeConsole
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
-    console = Console()
+    console = SafeConsole()
     experiment = Experiment(chosen, options.out)
     outcome = experiment.compare(
-        options.teachers, settings=teaching, **options.workers.checked(), console=console
+        options.teachers,
+        settings=teaching,
+        **options.workers.checked(),
+        console=console,
+        amend=options.resume,
     )
     if outcome.interrupted:
         console.print("Stopped. The same command goes on.")
@@ -70,6 +74,8 @@ def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) 
     record = read_record(outcome.artefacts[COMPARISON].path(COMPARISON_FILE))
     write_report(options.out)
     page = write_teachers_report(record, options.out)
+    if len(record["groups"]) == 1:
+        console.print(f"One group. {ONE_GROUP}", soft_wrap=True, markup=False)
     console.print(_table(record))
     console.print(f"Report: {page.resolve()}", soft_wrap=True)
     return 0

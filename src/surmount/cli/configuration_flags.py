@@ -11,6 +11,7 @@ import ast
 import dataclasses
 import inspect
 import itertools
+import json
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +23,7 @@ import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, Preset, Task, overrides
 from surmount.cli.workers import WorkerOptions, Workers
-from surmount.core.configuration import override
+from surmount.core.configuration import Arguments, override
 from surmount.core.errors import ConfigError
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig
@@ -57,7 +58,8 @@ class RunOptions(ConfigurationOptions):
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
     """Folder for everything the run makes."""
     resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Go on with the run in --out, with its stored configuration."""
+    """Go on with the run in --out, with its stored configuration; flags and --set change what no
+    finished stage depends on."""
     workers: WorkerOptions = field(default_factory=Workers)
     """Where stages run."""
 
@@ -110,11 +112,47 @@ def run_configured(
     kind = combined(options, base, more)
     defaults = {name: getattr(base, name) for name in _flag_fields(base)} | more
     parsed: Any = tyro.cli(
-        kind, prog=f"surmount {verb}", args=list(arguments), description=description
+        kind,
+        prog=f"surmount {verb}",
+        args=list(arguments),
+        description=description,
+        registry=tables(),
     )
     flags = {name: getattr(parsed, name) for name in defaults}
     beside_values = {name: flags.pop(name) for name in more}
     return run(parsed.options, dataclasses.replace(base, **flags), beside_values)
+
+
+def tables() -> tyro.constructors.ConstructorRegistry:
+    """Return how flags of tables of arguments are read: as JSON."""
+    registry = tyro.constructors.ConstructorRegistry()
+
+    @registry.primitive_rule
+    def rule(
+        info: tyro.constructors.PrimitiveTypeInfo,
+    ) -> tyro.constructors.PrimitiveConstructorSpec[Arguments] | None:
+        if info.type is not Arguments:
+            return None
+        return tyro.constructors.PrimitiveConstructorSpec(
+            nargs=1,
+            metavar="JSON",
+            instance_from_str=_table,
+            is_instance=lambda value: isinstance(value, Arguments),
+            str_from_instance=lambda table: [json.dumps(table)],
+        )
+
+    del rule
+    return registry
+
+
+def _table(words: list[str]) -> Arguments:
+    try:
+        table = json.loads(words[0])
+    except ValueError as error:
+        raise ValueError(f"{words[0]} is no JSON ({error})") from error
+    if not isinstance(table, dict):
+        raise ValueError(f'{words[0]} is no table, such as {{"gamma": 0.98}}')  # noqa: TRY004
+    return Arguments(cast("dict[str, Any]", table))
 
 
 def _resumes(options: ConfigurationOptions) -> bool:

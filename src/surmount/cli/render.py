@@ -11,6 +11,7 @@ import tyro
 
 from surmount.cli.showing import Shown
 from surmount.core.errors import ConfigError
+from surmount.core.printing import say
 
 
 def render(
@@ -25,6 +26,9 @@ def render(
 ) -> int:
     """Show the robot in a film (MP4, GIF) or on a sheet of moments (PNG); needs no display.
 
+    A network on an environment of your own is drawn by that environment's own render; a PNG then
+    holds the last moment of each episode.
+
     Args:
         shown: What to show.
         out: File to write; its suffix (.mp4, .gif, .png) says what it becomes.
@@ -34,14 +38,18 @@ def render(
         speed: Speed of a film against real time; 1 if left out, 0.25 is slow motion.
         at: Moments on a sheet, in s; six from start to end if left out.
     """
-    from rich.console import Console
+    from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png
+
+    check_output(out)
+    if _rendered_own(shown, out, fps):
+        return 0
+    # Only the robot's films need its simulation.
     from rich.progress import track
 
     from surmount.cli.motions import shown_motions
-    from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png
     from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames
+    from surmount.workflow.console import SafeConsole
 
-    check_output(out)
     _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")
     _refuse((fps, speed) if out.suffix == PICTURE else (), "--fps and --speed", "a picture")
     film = FilmConfig(
@@ -58,15 +66,50 @@ def render(
         what = f"{sheet.shape[1]} x {sheet.shape[0]} pixels"
     else:
         count = count_frames(motions, film)
-        console = Console(stderr=True)
+        console = SafeConsole(stderr=True)
         hidden = not sys.stderr.isatty()
         drawn = track(
             frames(motions, film), "drawing", count, console=console, disable=hidden, transient=True
         )
         FILM_WRITERS[out.suffix](out, drawn, film.fps)
         what = f"{count} frames, {count / film.fps:.1f} s, {size[0]} x {size[1]} pixels"
-    print(f"Written to {out}: {what}")
+    say(f"Written to {out}: {what}")
     return 0
+
+
+def _rendered_own(shown: Shown, out: Path, fps: int | None) -> bool:
+    """Draw a network on anybody's environment by its own ``render``; return whether it is one."""
+    import numpy as np
+
+    from surmount.envs.video import FILM_WRITERS, write_png
+    from surmount.experiment.own_films import film_network, own_network
+
+    found = own_network(
+        Path(shown.source), task=shown.task, stage=shown.stage, network=shown.network or 0
+    )
+    if found is None:
+        return False
+    network, family = found
+    count = len(family.make().space.parameters)
+    episodes = [
+        *film_network(
+            network,
+            family,
+            variants=[np.array(task) for task in np.reshape(shown.variant, (-1, count))],
+            seed=shown.seed or 0,
+            deterministic=shown.deterministic,
+        )
+    ]
+    frames = [frame for episode in episodes for frame in episode.frames]
+    if out.suffix in FILM_WRITERS:
+        FILM_WRITERS[out.suffix](out, frames, fps or max(1, round(1 / episodes[0].step_s)))
+    else:
+        write_png(out, np.concatenate([episode.frames[-1] for episode in episodes], axis=1))
+    for episode in episodes:
+        task = ", ".join(f"{name} {value}" for name, value in episode.task.items())
+        print(f"{task}: {'succeeded' if episode.is_success else 'failed'}")
+    print(f"Written to {out}: {len(frames)} frames by the environment's own render")
+    return True
 
 
 def _refuse(given: Iterable[object], options: str, what: str) -> None:

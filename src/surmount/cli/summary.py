@@ -11,7 +11,7 @@ from rich.table import Table
 
 from surmount.analysis.description import describe_side
 from surmount.core.records import read_record
-from surmount.tasks.curriculum import Curriculum
+from surmount.tasks.curriculum import ONE_GROUP, Curriculum
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.run_layout import (
     ANALYSIS,
@@ -54,6 +54,8 @@ def print_summary(console: Console, root: Path) -> None:
             _share(compared["arms"][CONTROL]),
             _verdict(compared["proportion_test"]),
         )
+    if len(curriculum.groups) == 1 and curriculum.levels:
+        console.print(f"One group. {ONE_GROUP}", soft_wrap=True, markup=False)
     console.print(table)
     for number, level in enumerate(curriculum.levels, start=1):
         weights = ", ".join(

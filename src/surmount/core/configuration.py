@@ -27,11 +27,23 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from surmount.core.errors import ConfigError
-from surmount.core.records import parse_json, read_bytes
+from surmount.core.records import canonical_json, parse_json, read_bytes
 
 LARGEST_INTEGER = 2**63
 """Larger ones fit neither a float nor an array, and nobody means them."""
 Record = dict[str, Any]
+
+
+class Arguments(dict[str, Any]):
+    """A leaf that is a table of JSON values by name: keyword arguments of somebody else's function.
+
+    In a file it is a table, ``[learner.arguments]``; as a flag and with ``--set`` it is JSON.
+    """
+
+    def __hash__(self) -> int:  # type: ignore[override] - configurations are frozen
+        return hash(canonical_json(self))
+
+
 Config = TypeVar("Config")
 _ABSENT = "absent"
 """Key of a field's metadata: what a record without the field stands for."""
@@ -100,7 +112,8 @@ def override(config: Config, changes: Mapping[str, Any]) -> Config:
     """
     record = to_record(config)
     valid = set(dotted_keys(type(config)))
-    for key, value in changes.items():
+    tables = _table_keys(type(config))
+    for key, value in _gathered(changes, tables).items():
         if key not in valid:
             raise unknown_key(key, valid)
         node = record
@@ -218,10 +231,39 @@ def _build(cls: type[object], record: Record, *, prefix: str) -> object:
     return cls(**values)
 
 
+def _table_keys(cls: type[object]) -> set[str]:
+    """Return the dotted keys of the leaves that are tables."""
+    keys: set[str] = set()
+    for name, kind in _fields(cls).items():
+        if dataclasses.is_dataclass(kind):
+            keys |= {f"{name}.{key}" for key in _table_keys(cast(type[object], kind))}
+        elif Arguments in (kind, *typing.get_args(kind)):
+            keys.add(name)
+    return keys
+
+
+def _gathered(changes: Mapping[str, Any], tables: set[str]) -> Record:
+    """Put together the tables whose entries were given one by one."""
+    found: Record = {}
+    for key, value in changes.items():
+        table = next((one for one in tables if key.startswith(f"{one}.")), None)
+        if table is None:
+            found[key] = value
+            continue
+        node = found.setdefault(table, Arguments())
+        *parents, leaf = key.removeprefix(f"{table}.").split(".")
+        for parent in parents:
+            node = node.setdefault(parent, {})
+        node[leaf] = _parse(value) if isinstance(value, str) else value
+    return found
+
+
 def _coerce(kind: Any, value: Any, key: str) -> object:
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if dataclasses.is_dataclass(kind) and isinstance(value, dict):
         return _build(cast(type[object], kind), cast(Record, value), prefix=f"{key}.")
+    if kind is Arguments and isinstance(value, Mapping):
+        return Arguments(cast(Mapping[str, Any], value))
     if origin is tuple and isinstance(value, list | tuple):
         items = list(cast(tuple[Any, ...], value))
         if len(arguments) == 2 and arguments[1] is Ellipsis:

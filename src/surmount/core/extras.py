@@ -15,6 +15,7 @@ EXTRAS = {
     "torch": "learn",
     "stable_baselines3": "learn",
     "safetensors": "learn",
+    "sb3_contrib": "contrib",
     "tensorboard": "learn",
     "threadpoolctl": "learn",
     "jinja2": "report",

@@ -6,11 +6,10 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import gymnasium
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
-from surmount.core.errors import InputError
+from surmount.envs.observations import require_usual, stacked
 from surmount.envs.task_env import TaskEnv
 from surmount.tasks.distribution import TaskDistribution
 
@@ -33,7 +32,7 @@ class TaskBatch:
     Raises
     ------
     InputError
-        If observations or actions are not boxes.
+        If observations or actions are of a kind that no learner takes.
     """
 
     render_mode: str | None = None
@@ -48,8 +47,9 @@ class TaskBatch:
         self.task_axes = first.task_axes
         self.feature_names = first.feature_names
         self.step_s = first.step_s
-        self.single_observation_space = _box(first.observation_space, "observations")
-        self.single_action_space = _box(first.action_space, "actions")
+        self.single_observation_space = first.observation_space
+        self.single_action_space = first.action_space
+        require_usual(first.observation_space, first.action_space)
         self._autoreset = autoreset
         self._over: BoolArray = np.zeros(num_envs, dtype=np.bool_)
         self._observations: list[Any] = [None] * num_envs
@@ -62,7 +62,7 @@ class TaskBatch:
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[FloatArray, dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """Begin an episode in every environment; ``variant`` holds one task per environment."""
         seeds: list[int | None] = [None] * self.num_envs
         if seed is not None:
@@ -77,9 +77,7 @@ class TaskBatch:
         self._over[:] = False
         return self._stacked(), self._told()
 
-    def step(
-        self, actions: Any
-    ) -> tuple[FloatArray, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
+    def step(self, actions: Any) -> tuple[Any, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
         """Take one step in every environment whose episode is not over."""
         rewards = np.zeros(self.num_envs)
         terminated = np.zeros(self.num_envs, dtype=np.bool_)
@@ -123,18 +121,8 @@ class TaskBatch:
         for env in self.envs:
             env.close()
 
-    def _stacked(self) -> FloatArray:
-        return np.stack([np.asarray(one) for one in self._observations])
+    def _stacked(self) -> Any:
+        return stacked(self._observations, self.single_observation_space)
 
     def _told(self) -> dict[str, Any]:
         return {key: np.stack([info[key] for info in self._infos]) for key in KEYS}
-
-
-def _box(space: gymnasium.Space[Any], what: str) -> gymnasium.spaces.Box:
-    if not isinstance(space, gymnasium.spaces.Box):
-        raise InputError(
-            f"The environment's {what} are {space}.",
-            remedy="The whole protocol needs boxes; with others, use the callback in a script of "
-            "your own.",
-        )
-    return space

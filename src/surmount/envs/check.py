@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -12,7 +13,8 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import SurmountError
 from surmount.envs.making import cause, make_task_env, time_limit
-from surmount.envs.probing import LONGEST_EPISODE, Episode, episode_of, same
+from surmount.envs.observations import is_image, require_usual, text_entries
+from surmount.envs.probing import LONGEST_EPISODE, Episode, episode_of, interleaved, same
 from surmount.envs.task_env import TaskEnv, UntoldSuccessError
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.space import TaskSpace, describe_range
@@ -21,6 +23,10 @@ EPISODES = 3
 """Episodes of random actions per variant that is tried."""
 TRIED = 5
 """Variants that are tried, evenly over the grid."""
+SAMPLES_NEEDED = 20
+"""Moments of a variant that the analysis needs (its ``min_samples_per_component``)."""
+USUAL_REPETITIONS = 8
+"""Trials of each variant and network in the smaller preset."""
 SHOWN_PLACES = 8
 """Places in an observation that are named."""
 FEWEST_OF_SERIES = 3
@@ -68,26 +74,42 @@ def check_contract(make_env: Callable[[], object], *, seed: int = 0) -> list[Fin
         One finding per clause, in the order in which they were checked. A clause that cannot be
         checked because an earlier one fails is left out.
     """
-    findings: list[Finding] = []
+    findings: dict[str, Finding] = {}
+    for finding in contract_findings(make_env, seed=seed):
+        findings.pop(finding.clause, None)
+        findings[finding.clause] = finding
+    return list(findings.values())
+
+
+def contract_findings(make_env: Callable[[], object], *, seed: int = 0) -> Iterator[Finding]:
+    """Give the findings of :func:`check_contract` one by one, as soon as each is known.
+
+    A clause comes a second time where it held at first and broke while others were checked.
+    """
     try:
         for finding in _clauses(make_env, seed):
-            findings.append(finding)
+            yield finding
             if not finding.holds and finding.clause in _FATAL:
-                return findings
+                return
     except UntoldSuccessError as error:
-        stopped = _broken("success is told", error)
+        yield _broken("success is told", error)
     except SurmountError as error:
-        stopped = _broken("episodes run", error)
+        yield _broken("episodes run", error)
+    except TimeoutError as error:
+        yield Finding(
+            clause="it answers in time",
+            holds=False,
+            sentence=str(error),
+            remedy="Shorten episodes, or give the check more time; if one step takes so long, "
+            "training will take for ever.",
+        )
     except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it is told
-        stopped = Finding(
+        yield Finding(
             clause="episodes run",
             holds=False,
             sentence=cause(error),
             remedy="Correct what it says; reset and step must not fail.",
         )
-    else:
-        return findings
-    return [finding for finding in findings if finding.clause != stopped.clause] + [stopped]
 
 
 _FATAL = ("it can be made", "episodes run", "episodes end")
@@ -101,7 +123,7 @@ def _clauses(make_env: Callable[[], object], seed: int) -> Iterator[Finding]:
         return
     yield Finding(clause="it can be made", holds=True, sentence=f"{env.env}")
     yield _space(env.space)
-    yield _boxes(env)
+    yield _spaces(env)
     try:
         longest = min(time_limit(env), LONGEST_EPISODE)
     except SurmountError as error:
@@ -122,11 +144,16 @@ def _clauses(make_env: Callable[[], object], seed: int) -> Iterator[Finding]:
     )
     yield _ends(episodes)
     yield _finite(episodes)
+    yield _rewards(episodes)
     yield from _features(env, episodes)
     yield _success(episodes)
+    yield _enough(episodes)
     for index in range(len(env.space.parameters)):
         yield _task_matters(env, index, seed)
     yield _repeats(env, tried[-1], seed)
+    apart = _apart(make_env, env, seed)
+    if apart is not None:
+        yield apart
     yield _seeds_matter(env, tried[-1], seed)
     yield _distribution_holds(env, seed)
     env.close()
@@ -162,15 +189,29 @@ def _evenly_logarithmic(values: FloatArray) -> bool:
     return bool(np.ptp(np.diff(np.log(values))) < 1e-6)
 
 
-def _boxes(env: TaskEnv) -> Finding:
-    spaces = (env.observation_space, env.action_space)
+def _spaces(env: TaskEnv) -> Finding:
+    clause = "a learner can take observations and actions"
+    try:
+        require_usual(env.observation_space, env.action_space)
+    except SurmountError as error:
+        return _broken(clause, error)
+    text = text_entries(env.env.observation_space)
     return Finding(
-        clause="observations and actions are boxes",
-        holds=all(isinstance(space, gymnasium.spaces.Box) for space in spaces),
-        sentence=f"observations {env.observation_space.shape}, actions {env.action_space}",
-        remedy="The whole protocol needs boxes; with others, use the callback in a script of your "
-        "own.",
+        clause=clause,
+        holds=True,
+        sentence=f"observations {_described(env.observation_space)}, actions {env.action_space}",
+        note=f"`{'`, `'.join(text)}` is text: it is left out, for no network reads it."
+        if text
+        else "",
     )
+
+
+def _described(space: gymnasium.Space[Any]) -> str:
+    if is_image(space):
+        return f"pictures {space.shape}, for a policy with convolutions"
+    if isinstance(space, gymnasium.spaces.Dict):
+        return f"a dictionary of {', '.join(space.spaces)}"
+    return f"{space.shape}" if isinstance(space, gymnasium.spaces.Box) else f"{space}"
 
 
 def _ends(episodes: list[Episode]) -> Finding:
@@ -223,6 +264,60 @@ def _finite(episodes: list[Episode]) -> Finding:
         "be that violent."
         if exploded
         else "",
+    )
+
+
+def _rewards(episodes: list[Episode]) -> Finding:
+    values = np.unique(np.concatenate([episode.rewards for episode in episodes]))
+    alike = values.size == 1
+    return Finding(
+        clause="rewards tell progress",
+        holds=True,
+        sentence=f"every step is rewarded by {values[0]:g}" if alike else "they differ",
+        note="Eq. 5 sees no progress in rewards of steps that are all alike; with "
+        "`advancement.measure` at its default, episode, it sees how long episodes are, and "
+        "nothing else. Reward what comes closer to the goal, or reaching it."
+        if alike
+        else "",
+    )
+
+
+def _enough(episodes: list[Episode]) -> Finding:
+    moments: dict[bytes, list[int]] = {}
+    for episode in episodes:
+        moments.setdefault(episode.variant.tobytes(), []).append(len(episode.features))
+    fewest = min(float(np.mean(lengths)) for lengths in moments.values())
+    trials = int(np.ceil(SAMPLES_NEEDED / fewest))
+    return Finding(
+        clause="trials are long enough to be analysed",
+        holds=True,
+        sentence=f"{fewest:.0f} moments an episode on the shortest variant",
+        note=f"A variant needs {SAMPLES_NEEDED} moments for one component of its mixture, better "
+        f"ten times as many: give --trials.repetitions at least {trials}."
+        if trials > USUAL_REPETITIONS
+        else "",
+    )
+
+
+def _apart(make_env: Callable[[], object], env: TaskEnv, seed: int) -> Finding | None:
+    """Run two environments in turn on the two ends of each range; the first must not notice."""
+    space = env.space
+    tasks = np.stack([space.lower, space.upper])
+    alone, again = (episode_of(env, tasks[0], seed) for _ in range(2))
+    if not same(alone, again):
+        return None  # a difference would say nothing; that a seed repeats is another clause
+    other = make_task_env(make_env)
+    beside = interleaved(env, other, tasks, seed)
+    other.close()
+    return Finding(
+        clause="environments do not share their task",
+        holds=same(alone, beside),
+        sentence="two, step by step in turn on other tasks"
+        if same(alone, beside)
+        else "step by step in turn with another environment on another task, the same seed and "
+        "actions give another episode",
+        remedy="Keep the task in the environment itself (`env.x = …`), not in a module or a class: "
+        "a vector environment holds several in one process.",
     )
 
 

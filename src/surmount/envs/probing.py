@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
-import gymnasium
 import numpy as np
 
 from surmount.core.arrays import FloatArray
+from surmount.envs.observations import numbers
 from surmount.envs.task_env import TaskEnv
 
 LONGEST_EPISODE = 20_000
@@ -58,25 +58,63 @@ def episode_of(
     The actions depend on ``action_seed`` alone, which is the episode's seed if not given. The
     episode is left after ``longest`` steps where it has not ended by then.
     """
+    playing = _playing(env, task, seed, longest, seed if action_seed is None else action_seed)
+    episode: Episode | None = None
+    for episode in playing:  # noqa: B007 - the last is whole
+        pass
+    assert episode is not None  # noqa: S101 - there is one after the reset
+    return episode
+
+
+def interleaved(env: TaskEnv, beside: TaskEnv, tasks: FloatArray, seed: int) -> Episode:
+    """Run an episode of an environment, step by step in turn with one of another environment.
+
+    Parameters
+    ----------
+    env, beside
+        Two environments that one function made.
+    tasks
+        Of each, ``(2, parameter)``.
+    seed
+        Of both episodes and their actions.
+
+    Returns
+    -------
+    Episode
+        That of the first.
+    """
+    episode: Episode | None = None
+    other = _playing(beside, tasks[1], seed, LONGEST_EPISODE, seed)
+    for episode in _playing(env, tasks[0], seed, LONGEST_EPISODE, seed):  # noqa: B007 - see above
+        next(other, None)
+    assert episode is not None  # noqa: S101 - there is one after the reset
+    return episode
+
+
+def _playing(
+    env: TaskEnv, task: FloatArray, seed: int, longest: int, action_seed: int
+) -> Iterator[Episode | None]:
+    """Reset and step, yielding after each; the episode comes last."""
     space = env.action_space
-    space.seed(seed if action_seed is None else action_seed)
+    space.seed(action_seed)
     _, info = env.reset(seed=seed, options={"variant": task})
     observations, rewards, features = [_raw(env)], [], [info["features"]]
     ended = False
     while not ended and len(rewards) < longest:
+        yield None
         _, reward, terminated, truncated, info = env.step(space.sample())
         observations.append(_raw(env))
         rewards.append(float(reward))
         features.append(info["features"])
         ended = terminated or truncated
-    return Episode(
+    yield Episode(
         observations=np.array(observations),
         rewards=np.array(rewards),
         features=np.array(features),
         variant=np.asarray(info["variant"], dtype=np.float64),
         ended=ended,
         is_success=bool(info["is_success"]),
-        unusable=None if env.unusable is None else _numbers(env, env.unusable),
+        unusable=None if env.unusable is None else numbers(env.unusable),
     )
 
 
@@ -89,11 +127,4 @@ def same(first: Episode, second: Episode) -> bool:
 
 def _raw(env: TaskEnv) -> FloatArray:
     """Return what the wrapped environment returned last as numbers, shape ``(observation,)``."""
-    return _numbers(env, env.last_observation)
-
-
-def _numbers(env: TaskEnv, observation: Any) -> FloatArray:
-    space = env.env.observation_space
-    if isinstance(space, gymnasium.spaces.Dict | gymnasium.spaces.Tuple):
-        observation = gymnasium.spaces.flatten(space, observation)
-    return np.asarray(observation, dtype=np.float64).ravel()
+    return numbers(env.last_observation)

@@ -12,6 +12,14 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.axis import Axes, AxisKind
 from surmount.core.errors import InputError
+from surmount.envs.observations import (
+    add_task,
+    is_finite,
+    numbers,
+    text_entries,
+    with_task,
+    without_text,
+)
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.space import TaskSpace
 
@@ -54,7 +62,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     The task is set before the wrapped environment is reset, and each episode is reset with a seed
     of its own, so that an episode is a function of its task, its seed and its actions.
 
-    What an observation held that ended the episode as diverged is kept as ``unusable``.
+    Text in a dictionary of observations is left out: no network reads it. What an observation held
+    that ended the episode as diverged is kept as ``unusable``.
 
     Infos hold ``variant`` (the task), ``is_success``, ``features`` (with the time in seconds
     first) and ``diverged``.
@@ -79,8 +88,9 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     end_on_success
         Whether an episode ends when the goal is reached.
     observe_task
-        Whether the task, scaled to −1 to 1, is appended to the observation; a category as one
-        number for each of its axis' names.
+        Whether the task, scaled to −1 to 1, is appended to the observation, a category as one
+        number for each of its axis' names; integers become floats. In a dictionary it is the
+        entry ``task``.
 
     Raises
     ------
@@ -114,6 +124,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._features = dict(features)
         self._end_on_success = end_on_success
         self._observe_task = observe_task
+        self._text = text_entries(env.observation_space)
         self._rng = np.random.default_rng()
         self._take_space(space)
 
@@ -192,7 +203,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
         reward = float(reward)  # type: ignore[arg-type]
-        diverged = not (_is_finite(observation) and np.isfinite(reward))
+        diverged = not (is_finite(observation) and np.isfinite(reward))
         if diverged:
             self.unusable = observation
             observation, reward, terminated = self._observation, 0.0, True
@@ -218,7 +229,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             "task": self._task.copy(),
             "seed": self._episode_seed,
             "actions": np.array(self._actions).reshape(len(self._actions), *shape),
-            "observation": np.asarray(self._observation),
+            "observation": numbers(self._observation),
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> bool:
@@ -234,7 +245,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._begin(np.array(state["task"], dtype=np.float64), int(state["seed"]), {})
         for action in state["actions"]:
             self.step(action)
-        return bool(np.array_equal(np.asarray(self._observation), state["observation"]))
+        return bool(np.array_equal(numbers(self._observation), state["observation"]))
 
     def _begin(
         self, task: FloatArray, episode_seed: int, options: dict[str, Any]
@@ -260,9 +271,10 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     def _take_space(self, space: TaskSpace) -> None:
         self.space = space
         self.task_axes = space.axes
+        self.observation_space = without_text(self.env.observation_space)
         if self._observe_task:
             observed = sum(axis.observed_size for axis in space.axes)
-            self.observation_space = _with_task(self.env.observation_space, observed)
+            self.observation_space = with_task(self.observation_space, observed)
         self._distribution = space.whole_range
         self._begin_record(space.variants[0], 0)
 
@@ -306,6 +318,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         return bool(transition.info.get(success, False))
 
     def _seen(self, observation: Any) -> Any:
+        if self._text:
+            observation = {k: part for k, part in observation.items() if k not in self._text}
         if not self._observe_task:
             return observation
         space = self.space
@@ -314,8 +328,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             for axis, *ends in zip(space.axes, self._task, space.lower, space.upper, strict=True)
             for number in axis.observed(*ends)
         ]
-        dtype = self.observation_space.dtype
-        return np.concatenate([np.asarray(observation).ravel(), place]).astype(dtype)
+        return add_task(observation, np.asarray(place), self.observation_space)
 
 
 def _listed(variant: Any) -> list[Any]:
@@ -331,31 +344,9 @@ def _kinds(axes: Axes) -> str:
     )
 
 
-def _is_finite(observation: Any) -> bool:
-    if isinstance(observation, dict):
-        return all(map(_is_finite, observation.values()))
-    if isinstance(observation, tuple):
-        return all(map(_is_finite, observation))
-    return bool(np.isfinite(np.asarray(observation)).all())
-
-
 def _step_s(env: gymnasium.Env[Any, Any]) -> float:
     inner: Any = env.unwrapped
     if isinstance(getattr(inner, "dt", None), int | float):
         return float(inner.dt)
     rate = inner.metadata.get("render_fps")
     return 1.0 / float(rate) if rate else 1.0
-
-
-def _with_task(space: gymnasium.Space[Any], observed: int) -> gymnasium.spaces.Box:
-    if not isinstance(space, gymnasium.spaces.Box):
-        raise InputError(
-            f"A task cannot be appended to observations of {space}.",
-            remedy="Leave `observe_task` out, or let observations be a box.",
-        )
-    ends = np.full(observed, np.inf)  # tasks may be drawn beyond the range
-    return gymnasium.spaces.Box(
-        np.concatenate([space.low.ravel(), -ends]).astype(space.dtype),
-        np.concatenate([space.high.ravel(), ends]).astype(space.dtype),
-        dtype=space.dtype.type,  # type: ignore[union-attr]
-    )

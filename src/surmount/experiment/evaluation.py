@@ -12,8 +12,9 @@ import numpy as np
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.experiment.origin import NO_CHANGES, config_of, home
+from surmount.learn.choice import make_actor
 from surmount.learn.rollout_config import RolloutConfig
-from surmount.learn.rollouts import Actor, roll_out
+from surmount.learn.rollouts import roll_out
 from surmount.learn.snapshot import Snapshot
 from surmount.tasks.space import TaskSpace
 from surmount.trials.trials import Trials
@@ -89,7 +90,7 @@ def evaluate_network(
     tried = _within(space, variants) if variants else space.variants
     env = family.trial_env(settings, len(tried) * config.repetitions)
     try:
-        actor = Actor(network, env.single_observation_space, env.single_action_space)
+        actor = make_actor(network, env.single_observation_space, env.single_action_space)
         trials = roll_out(env, actor, tried, config, network=0, seed=seed, monitor=monitor)
     finally:
         env.close()

@@ -11,17 +11,19 @@ from rich.console import Console
 from surmount.analysis.result import Analysis
 from surmount.core.configuration import override
 from surmount.core.errors import OutputError
+from surmount.core.printing import say
 from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig, fingerprinted
 from surmount.experiment.films import films
 from surmount.experiment.presets import preset as preset_of
 from surmount.experiment.protocol import protocol
 from surmount.experiment.running import begin, load_config, refuse_other
-from surmount.experiment.teaching import comparison_graph
+from surmount.experiment.teaching import comparison_graph, require_fit, with_earlier
 from surmount.report.pages import write_report
 from surmount.report.teachers_page import write_teachers_report
 from surmount.tasks.curriculum import Curriculum
 from surmount.teachers.catalogue import TeachersConfig
+from surmount.workflow.console import SafeConsole
 from surmount.workflow.executor import RETRIES
 from surmount.workflow.executors import make_executor
 from surmount.workflow.graph import Stage
@@ -114,6 +116,7 @@ class Experiment:
         store: str | None = None,
         retries: int = RETRIES,
         console: Console | None = None,
+        amend: bool = False,
     ) -> RunOutcome:
         """Run what is missing, with progress; Ctrl-C saves and stops.
 
@@ -133,6 +136,9 @@ class Experiment:
             How often a stage is run again after its worker was lost.
         console
             Where progress is shown.
+        amend
+            Whether the configuration in the folder may be changed, as far as no finished stage
+            depends on what changes.
 
         Raises
         ------
@@ -149,6 +155,7 @@ class Experiment:
             store=store,
             retries=retries,
             console=console,
+            amend=amend,
         )
 
     def resume(self, **where: Any) -> RunOutcome:
@@ -160,12 +167,14 @@ class Experiment:
             If there is no experiment in the folder, or another one.
         """
         load_config(self.folder)
-        return self.run(**where)
+        return self.run(amend=True, **where)
 
     def compare(
         self, teachers: Sequence[str], *, settings: TeachersConfig | None = None, **where: Any
     ) -> RunOutcome:
         """Train the same initial networks on by several teachers, too, at equal budgets.
+
+        Teachers that an earlier comparison in the folder finished stay in it.
 
         Parameters
         ----------
@@ -176,11 +185,17 @@ class Experiment:
             The teachers' own settings.
         **where
             As :meth:`run` takes them.
-        """
-        chosen = settings or TeachersConfig()
-        return self._run(lambda config: comparison_graph(config, tuple(teachers), chosen), **where)
 
-    def report(self, *, films_too: bool = True, say: Callable[[str], None] = print) -> Path:
+        Raises
+        ------
+        ConfigError
+            If a teacher is unknown, or needs a critic and the learner has none.
+        """
+        require_fit(self.config, teachers)
+        names, chosen = with_earlier(self.folder, teachers, settings or TeachersConfig())
+        return self._run(lambda config: comparison_graph(config, names, chosen), **where)
+
+    def report(self, *, films_too: bool = True, say: Callable[[str], None] = say) -> Path:
         """Draw the page of the run, finished or not, and return its path.
 
         Parameters
@@ -254,17 +269,19 @@ class Experiment:
         store: str | None = None,
         retries: int = RETRIES,
         console: Console | None = None,
+        amend: bool = False,
     ) -> RunOutcome:
         self.config = fingerprinted(self.config)
         stages = graph(self.config)
-        refuse_other(self.folder, self.config)
+        amended = graph if amend else None
+        refuse_other(self.folder, self.config, amended)
         with sole_user(self.folder):
-            begin(self.folder, self.config)
+            begin(self.folder, self.config, amended)
             return run_graph(
                 self.folder,
                 stages,
                 lambda listener: make_executor(processes, listener, kind=executor, address=address),
-                console or Console(),
+                console or SafeConsole(),
                 store=store,
                 retries=retries,
                 observed_by=lambda display: Journal(self.folder, display),

@@ -4,12 +4,13 @@
 stage                  files
 =====================  ====================================================================
 ``initiation``         ``network.safetensors``, ``history.parquet``, ``episodes.parquet``,
-                       ``training.json``
+                       ``training.json``; ``experience.safetensors`` of learners with a replay
+                       buffer
 ``trials``             ``trials.parquet``
 ``analysis``           ``analysis.json``, ``curriculum.json``
-``curriculum``         as ``initiation``
-``control``            as ``initiation``
-``teach/…``            as ``initiation``
+``curriculum``         as ``initiation``, without experience
+``control``            as ``curriculum``
+``teach/…``            as ``curriculum``
 ``statistics``         ``statistics.json``
 ``evidence``           ``evidence.json``
 ``test-…``, ``shard/…`` ``trials.parquet``
@@ -30,9 +31,10 @@ from surmount.core.records import read_record, write_record
 from surmount.core.seeds import derive_seed
 from surmount.experiment.history_tables import write_history
 from surmount.experiment.task_part import family_and_settings
+from surmount.learn.choice import make_actor
 from surmount.learn.config import LearnerConfig
 from surmount.learn.rollout_config import RolloutConfig
-from surmount.learn.rollouts import Actor, roll_out
+from surmount.learn.rollouts import roll_out
 from surmount.learn.snapshot import TRAINED_ON, Snapshot
 from surmount.learn.trainer import Checkpointing, Trainer, Training
 from surmount.tasks.curriculum import Curriculum
@@ -51,6 +53,7 @@ from surmount.workflow.run_layout import (
     ANALYSIS_FILE,
     CONTROL,
     CURRICULUM_FILE,
+    EXPERIENCE_FILE,
     INITIATION,
     NETWORK_FILE,
     SCHEMA,
@@ -67,7 +70,10 @@ def initiate(context: StageContext) -> None:
     """Train a new network briefly on uniform variants (II-A)."""
     steps = int(context.config["initial_steps"])
     teacher = UniformTeacher(_whole_range(context), steps, label=INITIATION)
-    write_training(context, train(context, teacher, start=None))
+    training = train(context, teacher)
+    write_training(context, training)
+    if training.memory is not None:
+        training.memory.save(context.output / EXPERIENCE_FILE)
 
 
 def run_trials(context: StageContext) -> None:
@@ -78,7 +84,7 @@ def run_trials(context: StageContext) -> None:
     network = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     env = family.trial_env(settings, len(variants) * config.repetitions)
     try:
-        actor = Actor(network, env.single_observation_space, env.single_action_space)
+        actor = make_actor(network, env.single_observation_space, env.single_action_space)
         trials = roll_out(
             env,
             actor,
@@ -123,8 +129,9 @@ def learn_levels(context: StageContext) -> None:
         [curriculum.level_distribution(level) for level in range(curriculum.n_levels)],
         from_record(AdvancementConfig, context.config["advancement"]),
     )
-    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
-    training = train(context, teacher, start=start, regions=Regions.of(curriculum))
+    training = train(
+        context, teacher, start=only(context, "network"), regions=Regions.of(curriculum)
+    )
     write_training(context, training)
 
 
@@ -132,8 +139,7 @@ def learn_control(context: StageContext) -> None:
     """Train the same initial network on for as many steps, on uniform variants (III-C)."""
     steps = int(read_record(only(context, "curriculum").path(TRAINING_FILE))["steps"])
     teacher = UniformTeacher(_whole_range(context), steps, label=CONTROL)
-    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
-    write_training(context, train(context, teacher, start=start))
+    write_training(context, train(context, teacher, start=only(context, "network")))
 
 
 def learn_by_teacher(context: StageContext) -> None:
@@ -156,17 +162,17 @@ def learn_by_teacher(context: StageContext) -> None:
         total_steps=steps,
         seed=context.seed,
         environments=int(config["learner"]["num_envs"]),
+        target=family.target(settings),
         analysis=from_record(AnalysisConfig, config["analysis"]),
         advancement=from_record(AdvancementConfig, config["advancement"]),
         teachers=from_record(TeachersConfig, config["teaching"]),
     )
-    start = Snapshot.load(only(context, "network").path(NETWORK_FILE))
     training = train(
         context,
         make_teacher(str(config["teacher"]), teacher_context)
         if steps
         else UniformTeacher(teacher_context.whole_range, 0),
-        start=start,
+        start=only(context, "network"),
         regions=Regions.of(analysis.curriculum),
     )
     write_training(context, training)
@@ -192,10 +198,22 @@ def train(
     context: StageContext,
     teacher: Teacher,
     *,
-    start: Snapshot | None,
+    start: Artefact | None = None,
     regions: Regions | None = None,
 ) -> Training:
-    """Train under a teacher, going on from the stage's checkpoint if there is one."""
+    """Train under a teacher, going on from the stage's checkpoint if there is one.
+
+    Parameters
+    ----------
+    context
+        The stage.
+    teacher
+        Gives the tasks.
+    start
+        What the network to begin from left; ``None`` for a new network.
+    regions
+        Groups whose weight and success are logged.
+    """
     family, settings = family_and_settings(context.config)
     config = from_record(LearnerConfig, context.config["learner"])
     env = family.training_env(settings, config.num_envs)
@@ -205,7 +223,10 @@ def train(
             teacher,
             config,
             seed=context.seed,
-            start=start,
+            start=None if start is None else Snapshot.load(start.path(NETWORK_FILE)),
+            memory=Snapshot.load(start.path(EXPERIENCE_FILE))
+            if start is not None and EXPERIENCE_FILE in start.files
+            else None,
             log_folder=context.logs,
             regions=regions,
         )
@@ -235,6 +256,8 @@ def write_training(context: StageContext, training: Training) -> None:
         "diverged_episodes": int(history.episodes.diverged.sum()),
         "level_tests": [asdict(test) for test in training.tests],
     }
+    if training.changes:
+        record["changes"] = [change.to_record() for change in training.changes]
     if training.faults.occurred:
         record["faults"] = training.faults.to_record()
     write_record(context.output / TRAINING_FILE, record)

@@ -34,7 +34,7 @@ def family_and_settings(part: Mapping[str, Any]) -> tuple[TaskFamily, Any]:
     settings = from_record(family.settings, part["env"])
     if family.fingerprint(settings) != part["fingerprint"]:
         raise ConfigError(
-            f"What `{family.name}` is made from (its file, or the model of the robot) has changed "
+            f"What `{family.name}` is made from (its file, or its simulation's model) has changed "
             "since this run began.",
             remedy="Choose another --out folder: results of two versions must not be mixed.",
         )

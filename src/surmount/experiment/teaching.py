@@ -8,26 +8,36 @@ as it is, and teachers can be added one by one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
-from surmount.core.configuration import key_record
+from surmount.core.configuration import from_record, key_record, to_record
+from surmount.core.errors import ConfigError
+from surmount.core.records import read_record
 from surmount.experiment import kinds
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.protocol import protocol
 from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
+from surmount.learn.choice import estimates_values
 from surmount.teachers.catalogue import (
     SETTINGS,
+    TEACHERS,
     TeachersConfig,
-    require_fit,
+    find_teacher,
+    require_axes,
 )
 from surmount.workflow.graph import Stage
+from surmount.workflow.run_folder import open_run
 from surmount.workflow.run_layout import (
     ANALYSIS,
     COMPARISON,
+    COMPARISON_FILE,
     CONTROL,
     CURRICULUM,
     INITIATION,
+    RUN,
     TRIALS,
     per_network,
     taught,
@@ -66,7 +76,7 @@ def comparison_graph(
     names = tuple(dict.fromkeys([*OWN_ARMS, *teachers]))
     space = config.family.space(config.env)
     for name in names:
-        require_fit(name, space)
+        require_axes(name, space)
     graph = protocol(config)
     for name in names:
         if name not in OWN_ARMS:
@@ -89,6 +99,54 @@ def comparison_graph(
         )
     )
     return graph
+
+
+def require_fit(config: ExperimentConfig, teachers: Sequence[str]) -> None:
+    """Refuse teachers that need a critic where the learner is known to have none.
+
+    Raises
+    ------
+    ConfigError
+        If a teacher is unknown or does not fit, before anything is trained.
+    """
+    without = estimates_values(config.learner) is False
+    for name in teachers:
+        if find_teacher(name).needs_value_errors and without:
+            raise ConfigError(
+                f"The teacher `{name}` needs a critic's value errors, and "
+                f"{config.learner.algorithm} estimates none.",
+                remedy="Leave the teacher out, or learn by PPO, A2C or another algorithm with "
+                "roll-outs.",
+            )
+
+
+def with_earlier(
+    folder: Path, teachers: Sequence[str], teaching: TeachersConfig
+) -> tuple[tuple[str, ...], TeachersConfig]:
+    """Return teachers and settings together with those that a folder's comparison has already.
+
+    Parameters
+    ----------
+    folder
+        Of a run, if there is one.
+    teachers, teaching
+        What is asked for now; it wins over what was.
+    """
+    if not (folder / RUN).is_file():
+        return tuple(teachers), teaching
+    found = open_run(folder).stages.get(COMPARISON)
+    if found is None:
+        return tuple(teachers), teaching
+    kept: dict[str, Any] = {
+        str(one["name"]): one["settings"]
+        for one in read_record(found.path(COMPARISON_FILE))["teachers"]
+        if one["name"] in TEACHERS and one["name"] not in (*teachers, *OWN_ARMS)
+    }
+    record = to_record(teaching)
+    for name, settings in kept.items():
+        if name in SETTINGS:
+            record[SETTINGS[name]] = settings
+    return (*teachers, *kept), from_record(TeachersConfig, record)
 
 
 def _arm(

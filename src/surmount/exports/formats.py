@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Callable
 from importlib import resources
+from pprint import pformat
+from string import Template
 
-from surmount.core.axis import axes_to_record, values_of
+from surmount.core.axis import Value, axes_to_record, values_of
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
+from surmount.core.names import text_cell
 from surmount.exports.export import Export, require_levels
 from surmount.exports.kinds import notes_on_kinds, other_axes
 from surmount.exports.ml_agents import export_ml_agents
@@ -34,10 +36,9 @@ def export_table(curriculum: Curriculum) -> Export:
     names, axes = curriculum.parameters, curriculum.axes
     others = other_axes(curriculum)
     kinds = [axis.kind for axis in others.values()]
-    writer.writerow(
-        ["level", "dominant", "group", "weight", *(f"{name}_lower" for name in names),
-         *(f"{name}_upper" for name in names), *(f"{name}_kind" for name in others)]
-    )  # fmt: skip
+    headings = [f"{name}_{side}" for side in ("lower", "upper") for name in names]
+    headings += [f"{name}_kind" for name in others]
+    writer.writerow(["level", "dominant", "group", "weight", *map(text_cell, headings)])
     for number, level in enumerate(curriculum.levels, 1):
         for group, weight in zip(curriculum.groups, level.weights, strict=True):
             total = sum(box.weight for box in group.boxes)
@@ -45,8 +46,9 @@ def export_table(curriculum: Curriculum) -> Export:
                 if weight * box.weight > 0:
                     share = weight * box.weight / total
                     writer.writerow(
-                        [number, level.dominant, group.name, share,
-                         *values_of(axes, box.lower), *values_of(axes, box.upper), *kinds]
+                        [number, text_cell(level.dominant), text_cell(group.name), share,
+                         *map(_cell, values_of(axes, box.lower)),
+                         *map(_cell, values_of(axes, box.upper)), *kinds]
                     )  # fmt: skip
     return Export(
         files={"curriculum.csv": text.getvalue()},
@@ -110,7 +112,7 @@ def _filled(template: str, curriculum: Curriculum) -> str:
         dict(curriculum.level_distribution(level).to_record())
         for level in range(curriculum.n_levels)
     ]
-    boxes = json.dumps(
+    boxes = pformat(
         [
             {
                 "dominant": curriculum.levels[index].dominant,
@@ -120,11 +122,16 @@ def _filled(template: str, curriculum: Curriculum) -> str:
             }
             for index, level in enumerate(levels)
         ],
-        indent=4,
+        width=100,
+        sort_dicts=False,
     )
     text = resources.files("surmount.exports").joinpath(template).read_text(encoding="utf-8")
-    names = json.dumps(list(curriculum.parameters))
-    axes = json.dumps(axes_to_record(curriculum.axes, curriculum.parameters))
-    return (
-        text.replace("__PARAMETERS__", names).replace("__AXES__", axes).replace("__LEVELS__", boxes)
+    return Template(text).substitute(
+        parameters=list(curriculum.parameters),
+        axes=axes_to_record(curriculum.axes, curriculum.parameters),
+        levels=boxes,
     )
+
+
+def _cell(value: Value) -> Value:
+    return text_cell(value) if isinstance(value, str) else value

@@ -11,6 +11,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
 from surmount.core.errors import ConfigError, InputError
+from surmount.core.printing import say
 from surmount.core.records import read_record, write_record
 from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.episode_recorder import EpisodeRecorder
@@ -43,7 +44,8 @@ class TeacherCallback(BaseCallback):
     Raises
     ------
     ConfigError
-        From ``learn``, if the teacher is finished before training begins.
+        From ``learn``, if the teacher is finished before training begins, or needs a critic that
+        the learner has not.
     InputError
         From ``learn``, if the environments take no distribution or do not say what came of it.
     """
@@ -108,7 +110,7 @@ class TeacherCallback(BaseCallback):
         if test is not None:
             self.tests.append(test)
             if self.verbose:
-                print(test.sentence)
+                say(test.sentence)
         log_curriculum(
             self.logger,
             distribution=None if self.teacher.finished else self.teacher.distribution(),
@@ -129,6 +131,14 @@ class TeacherCallback(BaseCallback):
                 "steps are 0.",
                 remedy="Train without the callback, or give it another teacher, such as "
                 "`surmount.teachers.UniformTeacher`.",
+            )
+        has_critic = isinstance(getattr(self.model, "rollout_buffer", None), RolloutBuffer)
+        if getattr(self.teacher, "needs_value_errors", False) and not has_critic:
+            raise ConfigError(
+                f"The teacher, {self.teacher.status().label}, needs a critic's value errors, and "
+                f"{type(self.model).__name__} estimates none.",
+                remedy="Train by PPO, A2C or another algorithm with roll-outs, or choose another "
+                "teacher.",
             )
         if not self.training_env.has_attr("set_task_distribution"):
             raise InputError(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
-from surmount.core.configuration import absent
+from surmount.core.configuration import Arguments, absent
 from surmount.core.errors import ConfigError
 
 POSITIVE = (
@@ -25,6 +25,22 @@ POSITIVE = (
     "max_gradient_norm",
 )
 """Fields that are positive, or None where they may be left out."""
+OWN = "ppo"
+"""Name of Surmount's own PPO."""
+AUTO = "auto"
+"""The own PPO where it can learn, else that of Stable-Baselines3."""
+OF_ALL = (
+    "algorithm",
+    "arguments",
+    "vec_normalize",
+    "frame_stack",
+    "num_envs",
+    "rollout_steps",
+    "batch_size",
+    "epochs",
+    "decay_steps",
+)
+"""Fields that an algorithm chosen by its name reads, or that presets change."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,13 +64,31 @@ class PerStep:
 
 @dataclass(frozen=True, kw_only=True)
 class LearnerConfig:
-    """PPO through Stable-Baselines3 (paper III-B).
+    """Which algorithm learns, and the hyper-parameters of Surmount's own PPO (paper III-B).
 
     The paper prints the network and the number of environments. Where it is silent, values
     follow the defaults of ML-Agents, which it used, unless marked otherwise. What else ML-Agents
     does differently is a field each, off by default; :mod:`surmount.learn.presets` holds them
     together. Facts about ML-Agents are those of its release 22 (``mlagents`` 1.1.0).
     """
+
+    algorithm: str = field(default=AUTO, metadata=absent(AUTO))
+    """``ppo`` is Surmount's own, for boxes; an algorithm of Stable-Baselines3 or sb3-contrib by its
+    name, such as ``SAC``; or ``module:function``, a function that takes the vector environment and
+    returns a model. ``auto`` takes the own PPO where observations and actions are boxes, and
+    otherwise ``PPO`` with the same hyper-parameters."""
+
+    arguments: Arguments = field(default_factory=Arguments, metadata=absent(Arguments()))
+    """Keyword arguments of an algorithm chosen by name, such as ``{"gamma": 0.98}``; ``policy``
+    and ``device`` are among them, ``module:name`` is a class of yours. Of the fields below only
+    ``num_envs``, ``rollout_steps`` and ``decay_steps`` are read then."""
+
+    vec_normalize: Arguments | None = field(default=None, metadata=absent(None))
+    """Keyword arguments of Stable-Baselines3's ``VecNormalize`` around the environments of an
+    algorithm chosen by name; ``None`` for none, ``{}`` for its defaults."""
+
+    frame_stack: int = field(default=1, metadata=absent(1))
+    """Observations stacked by ``VecFrameStack`` for an algorithm chosen by name; 1 for none."""
 
     num_envs: int = 9
     """Environments that train at once and share one network (paper III-B)."""
@@ -192,12 +226,40 @@ class LearnerConfig:
                 f"`learner.hidden_layers` is {self.hidden_layers}.",
                 remedy="Give at least one layer of at least one unit.",
             )
-        if self.steps_per_rollout % self.batch_size:
+        self._check_choice()
+        if self.uses_own_fields and self.steps_per_rollout % self.batch_size:
             raise ConfigError(
                 f"A roll-out of {self.num_envs} x {self.rollout_steps} steps is not a multiple of "
                 f"the batch size {self.batch_size}.",
                 remedy="Choose `learner.rollout_steps` and `learner.batch_size` so that it is.",
             )
+
+    @property
+    def uses_own_fields(self) -> bool:
+        """Whether the hyper-parameters here are those that are learnt with."""
+        return self.algorithm in (AUTO, OWN)
+
+    def _check_choice(self) -> None:
+        if self.frame_stack < 1:
+            raise ConfigError(
+                f"`learner.frame_stack` is {self.frame_stack}.", remedy="Give at least 1."
+            )
+        if self.uses_own_fields:
+            if self.arguments or self.vec_normalize is not None or self.frame_stack > 1:
+                raise ConfigError(
+                    "`learner.arguments`, `learner.vec_normalize` and `learner.frame_stack` belong "
+                    f"to an algorithm chosen by its name, and `learner.algorithm` is "
+                    f"{self.algorithm}.",
+                    remedy='Give its name too, such as `learner.algorithm = "PPO"`.',
+                )
+            return
+        for one in fields(self):
+            if one.name not in OF_ALL and getattr(self, one.name) != one.default:
+                raise ConfigError(
+                    f"`learner.{one.name}` belongs to Surmount's own PPO, and `learner.algorithm` "
+                    f"is {self.algorithm}.",
+                    remedy="Give the algorithm's own keyword arguments in `learner.arguments`.",
+                )
 
     @property
     def steps_per_rollout(self) -> int:

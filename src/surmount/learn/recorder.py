@@ -10,6 +10,7 @@ import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs
 
+from surmount.envs.observations import row
 from surmount.envs.vector_env import Infos, TaskVectorEnv
 from surmount.learn.episode_recorder import EpisodeRecorder
 from surmount.teachers.teacher import RolloutOutcome
@@ -90,8 +91,15 @@ class Recorder(VecEnv):
         indices: VecEnvIndices = None,
         **method_kwargs: Any,
     ) -> list[Any]:
-        """Call a method of the vector environment once."""
-        result = getattr(self.env, method_name)(*method_args, **method_kwargs)
+        """Call a method of the vector environment once, or else of its single environments."""
+        method = getattr(self.env, method_name, None)
+        if method is None:
+            singles: Any = getattr(self.env, "envs", ())
+            return [
+                singles[index].get_wrapper_attr(method_name)(*method_args, **method_kwargs)
+                for index in self._chosen(indices)
+            ]
+        result = method(*method_args, **method_kwargs)
         return [result for _ in self._chosen(indices)]
 
     def env_is_wrapped(
@@ -112,9 +120,10 @@ class Recorder(VecEnv):
             variant=final["variant"][index],
             success=bool(final["is_success"][index]),
             diverged=bool(final["diverged"][index]),
+            covered=float(final["covered"][index]) if "covered" in final else None,
         )
         return {
-            "terminal_observation": infos["final_obs"][index],
+            "terminal_observation": row(infos["final_obs"], index),
             "TimeLimit.truncated": not terminated,
             "is_success": episode["success"],
             "episode": {"r": episode["reward"], "l": episode["length"], "t": 0.0},

@@ -13,6 +13,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.errors import ConfigError, InputError
 from surmount.envs.vector_env import TaskVectorEnv, task_axes
+from surmount.learn.learner import Acts, TrialActor
 from surmount.learn.mlp import ACTIVATIONS
 from surmount.learn.noise import CorrelatedNoise
 from surmount.learn.rollout_config import RolloutConfig
@@ -34,7 +35,9 @@ EPSILON = 1e-8
 
 
 class Actor:
-    """A network that acts: observations in, Gaussian actions out, no learning.
+    """A network of Surmount's own PPO that acts: observations in, Gaussian actions out.
+
+    Satisfies :class:`surmount.learn.learner.TrialActor`.
 
     Parameters
     ----------
@@ -53,10 +56,15 @@ class Actor:
         self,
         network: Snapshot,
         observation_space: gymnasium.Space[Any],
-        action_space: gymnasium.spaces.Box,
+        action_space: gymnasium.Space[Any],
     ) -> None:
         record = network.record
         check_architecture(network)
+        if not isinstance(action_space, gymnasium.spaces.Box):
+            raise InputError(
+                f"The network gives numbers, and actions are {action_space}.",
+                remedy="Use it with the task that it was trained on.",
+            )
         self.noise_correlation = noise_correlation(network)
         self._divisor = action_divisor(network)
         self._policy = ActorCriticPolicy(
@@ -74,7 +82,7 @@ class Actor:
         except RuntimeError as error:
             raise InputError(
                 f"The network does not fit the environment ({error}).",
-                remedy="Use it with the obstacle and configuration it was trained on.",
+                remedy="Use it with the task and configuration it was trained on.",
             ) from error
         self._policy.set_training_mode(False)
         self._space = action_space
@@ -101,6 +109,18 @@ class Actor:
                 actions = actions + distribution.stddev.numpy() * noise
         return np.clip(actions / self._divisor, self._space.low, self._space.high)
 
+    def begin(self, trials: int, rng: np.random.Generator, *, deterministic: bool) -> Acts:
+        """Begin so many trials at once, with noise correlated over time if it was in training."""
+        correlated = CorrelatedNoise(self.noise_correlation)
+        shape = (trials, *self._space.shape)
+
+        def act(observations: Any) -> np.ndarray:
+            # Noise is drawn for ended trials too: a trial's numbers do not depend on others.
+            fresh = None if deterministic else rng.standard_normal(shape)
+            return self.act(observations, None if fresh is None else correlated.next(fresh))
+
+        return act
+
     def _standardise(self, observations: FloatArray) -> np.ndarray:
         if self._statistics is None:
             return observations.astype(np.float32)
@@ -112,7 +132,7 @@ class Actor:
 
 def roll_out(
     env: TaskVectorEnv,
-    actor: Actor,
+    actor: TrialActor,
     variants: FloatArray,
     config: RolloutConfig,
     *,
@@ -122,8 +142,7 @@ def roll_out(
 ) -> Trials:
     """Run every trial of one network at once and log its features at every control step.
 
-    The policy draws its actions as it did when it learned, with noise correlated over time if it
-    was then.
+    The policy draws its actions as it did when it learned.
 
     Parameters
     ----------
@@ -156,8 +175,7 @@ def roll_out(
             remedy="Build the environments for variants x repetitions.",
         )
     rng = np.random.default_rng(seed)
-    correlated = CorrelatedNoise(actor.noise_correlation)
-    actions_shape = (trials, *(env.single_action_space.shape or ()))
+    act = actor.begin(trials, rng, deterministic=config.deterministic)
     observations, infos = env.reset(seed=seed, options={"variant": variant})
     active = np.ones(trials, dtype=np.bool_)
     success = np.zeros(trials, dtype=np.bool_)
@@ -167,10 +185,7 @@ def roll_out(
     while active.any():
         if monitor.should_stop():
             raise Interrupted
-        # Noise is drawn for ended trials too, so that a trial's numbers do not depend on others.
-        fresh = None if config.deterministic else rng.standard_normal(actions_shape)
-        noise = None if fresh is None else correlated.next(fresh)
-        observations, _, terminated, truncated, infos = env.step(actor.act(observations, noise))
+        observations, _, terminated, truncated, infos = env.step(act(observations))
         owner = np.flatnonzero(active)
         owners.append(owner)
         rows.append(infos["features"][owner].copy())

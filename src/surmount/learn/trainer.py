@@ -9,21 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from stable_baselines3.common.utils import set_random_seed
 
-from surmount.core.errors import InputError, LearningError
+from surmount.core.errors import ConfigError, InputError, LearningError
 from surmount.envs.vector_env import TaskVectorEnv
-from surmount.learn import snapshot
+from surmount.learn.choice import make_learner
 from surmount.learn.config import LearnerConfig
 from surmount.learn.curriculum_log import log_curriculum
 from surmount.learn.faults import MOST_IN_A_ROW, Faults, is_sound_policy
 from surmount.learn.history import History
 from surmount.learn.loggers import training_logger
-from surmount.learn.normaliser import Normaliser
-from surmount.learn.ppo import ResumablePPO
 from surmount.learn.recorder import Recorder
 from surmount.learn.snapshot import Snapshot, Tensors
 from surmount.tasks.regions import Regions
+from surmount.teachers.changes import Change, changes_of
 from surmount.teachers.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.workflow.monitor import Interrupted, Monitor, Progress
 
@@ -42,12 +40,18 @@ class Training:
         Level tests made on the way.
     faults
         What went wrong with numbers and was stopped.
+    memory
+        Past experience that a next training should go on with, where the learner keeps any.
+    changes
+        What the teacher changed, and why.
     """
 
     network: Snapshot
     history: History
     tests: tuple[LevelTest, ...]
     faults: Faults
+    memory: Snapshot | None = None
+    changes: tuple[Change, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +71,7 @@ class Checkpointing:
 
 
 class Trainer:
-    """PPO of Stable-Baselines3 on one vector environment, under one teacher.
+    """A learner on one vector environment, under one teacher.
 
     Parameters
     ----------
@@ -76,16 +80,25 @@ class Trainer:
     teacher
         Gives the task distribution and decides when training is over.
     config
-        Hyper-parameters.
+        Which algorithm learns, and its hyper-parameters.
     seed
         Seed of the environments, of exploration and of the order of batches; also of the initial
         weights where no ``start`` is given.
     start
         Weights, optimiser and normalisation to begin from.
+    memory
+        Past experience to begin with, where the network to begin from left any.
     log_folder
         Where TensorBoard files go; none are written if ``None``.
     regions
         Groups whose weight and success are logged.
+
+    Raises
+    ------
+    ConfigError
+        If algorithm, environments and teacher do not fit each other.
+    InputError
+        If the network to begin from does not fit, or is not finite.
     """
 
     def __init__(
@@ -96,29 +109,33 @@ class Trainer:
         *,
         seed: int,
         start: Snapshot | None = None,
+        memory: Snapshot | None = None,
         log_folder: Path | None = None,
         regions: Regions | None = None,
     ) -> None:
         self._regions = regions
-        rates = config.at_interval(env.step_s)
         self._recorder = Recorder(env)
-        self._normaliser = Normaliser(
-            self._recorder,
-            observations=config.normalise_observations,
-            rewards=config.normalise_rewards,
-            discount=rates.discount,
-        )
         self._teacher = teacher
-        self._config = config
-        self._model = ResumablePPO.build(self._normaliser, config, rates, seed)
-        if start is not None:
-            snapshot.put(start.tensors, self._model, self._normaliser)
-            set_random_seed(seed)
+        self._learner = make_learner(self._recorder, config, seed=seed)
+        self._model = self._learner.model
+        if getattr(teacher, "needs_value_errors", False) and not self._learner.estimates_values:
+            raise ConfigError(
+                f"The teacher, {teacher.status().label}, needs a critic's value errors, and the "
+                f"algorithm {config.algorithm} estimates none.",
+                remedy="Choose another teacher, or learn by PPO, A2C or another algorithm with "
+                "roll-outs.",
+            )
         self._model.set_logger(training_logger(log_folder))
+        self._learner.begin(
+            None if start is None else start.tensors,
+            planned_steps=teacher.status().planned_steps,
+        )
+        if memory is not None:
+            self._learner.remember(memory.tensors, goes_on=False)
         self._history = History(parameters=env.task_parameters)
         self._tests: list[LevelTest] = []
         self._faults = Faults()
-        if not is_sound_policy(self._model.policy):
+        if not is_sound_policy(self._learner.policy):
             raise InputError(
                 "The network to begin from has weights that are not finite.",
                 remedy="Begin from another network, or train it anew.",
@@ -138,9 +155,11 @@ class Trainer:
         try:
             return self._run(monitor, checkpointing)
         finally:
-            self._model.logger.close()
+            self._learner.logger.close()
 
     def _run(self, monitor: Monitor, checkpointing: Checkpointing | None) -> Training:
+        for note in self._learner.notes:
+            monitor.log(note)
         saved_at = self._resume(checkpointing, monitor)
         self._push_distribution()
         while not self._teacher.finished:
@@ -148,39 +167,43 @@ class Trainer:
                 self._save(checkpointing)
                 raise Interrupted
             self._learn_one_rollout(monitor, checkpointing)
-            outcome = self._recorder.collect(self._model.rollout_buffer.advantages)
+            outcome = self._recorder.collect(self._learner.advantages())
             self._require_some_physics(outcome)
+            told = len(changes_of(self._teacher))
             test = self._teacher.update_on_rollout(outcome)
+            for change in changes_of(self._teacher)[told:]:
+                monitor.log(change.sentence)
             self._history.add(outcome, label=self._teacher.status().label)
             self._report(monitor, outcome, test)
             self._push_distribution()
             if checkpointing and self._recorder.steps - saved_at >= checkpointing.interval_steps:
                 self._save(checkpointing)
                 saved_at = self._recorder.steps
+        memory = self._learner.memory()
         return Training(
-            network=Snapshot(
-                tensors=snapshot.take(self._model, self._normaliser), record=self._architecture()
-            ),
+            network=Snapshot(tensors=self._learner.take(), record=self._learner.record()),
             history=self._history,
             tests=tuple(self._tests),
             faults=self._faults,
+            memory=Snapshot(tensors=memory, record={}) if memory else None,
+            changes=changes_of(self._teacher),
         )
 
     def _learn_one_rollout(self, monitor: Monitor, checkpointing: Checkpointing | None) -> None:
         """Collect and update; undo the update where it left nothing sound."""
-        faults, model = self._faults, self._model
-        before = snapshot.take(model, self._normaliser)
-        model.learn(self._config.steps_per_rollout, reset_num_timesteps=False, log_interval=1)
-        faults.skipped_updates += model.skipped_updates
-        if model.skipped_updates:
+        faults, learner = self._faults, self._learner
+        before = learner.take()
+        skipped = learner.learn_one_rollout()
+        faults.skipped_updates += skipped
+        if skipped:
             monitor.log(
-                f"{model.skipped_updates} update(s) left out at {self._recorder.steps:,} steps: "
+                f"{skipped} update(s) left out at {self._recorder.steps:,} steps: "
                 "loss or gradient was not finite, or exploded"
             )
-        if is_sound_policy(model.policy) and not model.all_skipped:
+        if learner.is_sound:
             faults.undone_in_a_row = 0
             return
-        snapshot.put(before, model, self._normaliser)
+        learner.put(before)
         faults.undone_rollouts += 1
         faults.undone_in_a_row += 1
         monitor.log(f"the roll-out that ended at {self._recorder.steps:,} steps was undone")
@@ -214,7 +237,7 @@ class Trainer:
     def _report(self, monitor: Monitor, outcome: RolloutOutcome, test: LevelTest | None) -> None:
         status = self._teacher.status()
         values = self._history.latest()
-        logger = self._model.logger
+        logger = self._learner.logger
         for name, value in values.items():
             logger.record(f"surmount/{name}", value)
         finished = self._teacher.finished
@@ -241,36 +264,21 @@ class Trainer:
             )
         )
 
-    def _architecture(self) -> dict[str, Any]:
-        config = self._config
-        record: dict[str, Any] = {
-            "hidden_layers": list(config.hidden_layers),
-            "activation": config.activation,
-            "normalise_observations": config.normalise_observations,
-        }
-        if config.action_divisor != 1.0:
-            record[snapshot.ACTION_DIVISOR] = config.action_divisor
-        if config.noise_correlation_s:
-            record[snapshot.NOISE] = {
-                "correlation_s": config.noise_correlation_s,
-                "step_s": self._recorder.env.step_s,
-            }
-        return record
-
     def _save(self, checkpointing: Checkpointing | None) -> None:
-        if checkpointing is None or not self._model.has_begun:
+        if checkpointing is None or not self._learner.has_begun:
             return
         arrays: Tensors = {}
         state = {
             "recorder": self._recorder.state_dict(),
             "history": self._history.state_dict(),
-            "loop": self._model.loop_state() | {"returns": self._normaliser.returns},
+            "loop": self._learner.loop_state(),
             "teacher": self._teacher.state_dict(),
             "tests": [vars(test) for test in self._tests],
             "faults": self._faults.state_dict(),
         }
         record = _split(state, "state", arrays)
-        tensors = snapshot.take(self._model, self._normaliser) | arrays
+        memory = {f"memory/{name}": value for name, value in self._learner.memory().items()}
+        tensors = self._learner.take() | memory | arrays
         Snapshot(tensors=tensors, record=record).save(checkpointing.path, sealed=True)
 
     def _resume(self, checkpointing: Checkpointing | None, monitor: Monitor) -> int:
@@ -279,14 +287,21 @@ class Trainer:
             return 0
         saved = Snapshot.load(checkpointing.path, sealed=True)
         state = _join(saved.record, "state", saved.tensors)
-        snapshot.put(saved.tensors, self._model, self._normaliser)
+        self._learner.put(saved.tensors)
+        self._learner.remember(
+            {
+                name.removeprefix("memory/"): value
+                for name, value in saved.tensors.items()
+                if name.startswith("memory/")
+            },
+            goes_on=True,
+        )
         self._recorder.load_state_dict(state["recorder"])
         self._history.load_state_dict(state["history"])
         self._teacher.load_state_dict(state["teacher"])
         self._tests = [LevelTest(**test) for test in state["tests"]]
         self._faults = Faults(**state["faults"])
-        self._normaliser.returns = state["loop"]["returns"]
-        self._model.load_loop_state(state["loop"])
+        self._learner.load_loop_state(state["loop"])
         monitor.log(f"went on from the checkpoint at {self._recorder.steps:,} steps")
         return self._recorder.steps
 

@@ -10,7 +10,7 @@ from surmount.report.sections.film import film_section
 from surmount.report.sections.grouping import grouping_section
 from surmount.report.sections.learning import learning_section
 from surmount.report.sections.provenance import provenance_section
-from surmount.report.sections.summary import facts, notices, summary
+from surmount.report.sections.summary import facts, notices, one_group_notice, summary
 from surmount.report.sections.testing import testing_section
 
 
@@ -29,8 +29,8 @@ def document_of(results: RunResults) -> Document:
     ]
     return Document(
         title=folder.task if family is None else family.title,
-        subtitle="A curriculum determined from the robot's own behaviour, and what it was worth",
-        notices=tuple(notices(folder)),
+        subtitle="A curriculum determined from the learner's own behaviour, and what it was worth",
+        notices=(*notices(folder), *one_group_notice(results.analysis)),
         summary=tuple(summary(results)),
         facts=facts(results),
         sections=tuple(section for section in sections if section is not None),

@@ -35,7 +35,9 @@ from surmount.report.document.text import (
 from surmount.report.figures.palette import INK, SEQUENTIAL
 from surmount.report.figures.plots import compact, plain, plot
 from surmount.report.figures.stills import axes_grid
+from surmount.report.teacher_changes import changes_section
 from surmount.report.writing import write_document
+from surmount.tasks.curriculum import ONE_GROUP
 
 NAME = "teachers"
 FEW_NETWORKS = 5
@@ -77,6 +79,9 @@ def document_of_teachers(record: Record) -> Document:
             "comparison runs, and says nothing about who is better."
         )
         notices.append(Notice(title="Too few networks", sentences=(few,)))
+    if len(record["groups"]) == 1 and steps:
+        summary = summary[1:]
+        notices.append(Notice(title="One group", sentences=(ONE_GROUP,)))
     if steps == 0:
         summary = ["There was nothing to teach, so nothing can be said of any teacher."]
         nobody = (
@@ -96,6 +101,7 @@ def document_of_teachers(record: Record) -> Document:
         _duel_table(record),
         _speed_table(record),
     )
+    changes = changes_section(teachers)
     return Document(
         title="Teachers compared",
         subtitle="The paper's curriculum beside other ways of choosing tasks, at equal budgets",
@@ -109,6 +115,7 @@ def document_of_teachers(record: Record) -> Document:
         sections=(
             Section(anchor="scores", title="Success", blocks=blocks),
             Section(anchor="sampled", title="What each sampled", blocks=(_sampled_figure(record),)),
+            *(() if changes is None else (changes,)),
             Section(anchor="settings", title="Settings", blocks=(_settings_table(record),)),
         ),
     )

@@ -88,6 +88,13 @@ class Level:
     weights: tuple[float, ...]
 
 
+ONE_GROUP = (
+    "With one group there is no curriculum to compare: its level draws tasks as uniform sampling "
+    "does, so that what was learnt with and without differs by chance alone."
+)
+"""What is said wherever results of a single group are shown."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Curriculum:
     """Groups from easy to difficult, and the levels to learn them by.

@@ -56,6 +56,9 @@ class ReplayTeacher(AdaptiveTeacher):
         Temperature and staleness.
     """
 
+    needs_value_errors = True
+    """Only learners with a critic that estimates advantages can have it."""
+
     def __init__(
         self, cells: TaskCells, *, total_steps: int, seed: int, config: ReplayConfig
     ) -> None:

@@ -167,9 +167,11 @@ class EpisodeWindows:
         ended = [(self._steps + int(end), float(value))
                  for end, value in zip(ends, returns, strict=True)]  # fmt: skip
         self._steps += rewards.size
-        self._head = [one for one in self._head + ended if one[0] <= self._reach(ended)]
+        reach = self._reach(ended)
+        self._head = [one for one in self._head + ended if one[0] <= reach]
         self._tail += ended
-        self._tail = [one for one in self._tail if one[0] > self._begin()]
+        begin = self._begin()
+        self._tail = [one for one in self._tail if one[0] > begin]
 
     def read(self) -> WindowRewards:
         """Return both means."""

@@ -13,6 +13,7 @@ import numpy as np
 import polars as pl
 
 from surmount.core.errors import InputError
+from surmount.trials.checksum import PLACE, check, stamp
 from surmount.trials.csv_file import CSV_ENDINGS, open_csv
 from surmount.trials.source import POLARS_ERRORS, Source
 
@@ -62,6 +63,7 @@ def open_file(path: Path) -> Source:
 
 def _axes_said(path: Path) -> Mapping[str, Any]:
     """Return what a Parquet file says of axes, if its version is one that is read here."""
+    check(path)
     try:
         metadata = pl.read_parquet_metadata(path)
         version = metadata.get(_SCHEMA_KEY, TABLE_SCHEMA)
@@ -101,7 +103,9 @@ def write_columns(
     try:
         if kind == ".parquet":
             said = {_AXES_KEY: json.dumps(dict(axes))} if axes else {}
-            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **said})
+            said |= {_SCHEMA_KEY: TABLE_SCHEMA, **PLACE}
+            frame.write_parquet(temporary, metadata=said)
+            stamp(temporary)
         else:
             flags = pl.selectors.boolean().cast(pl.Int8)
             frame.with_columns(flags).write_csv(temporary)

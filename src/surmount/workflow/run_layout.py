@@ -58,6 +58,8 @@ COMPARISON = "teachers"
 
 NETWORK_FILE = "network.safetensors"
 """Of a training: the network."""
+EXPERIENCE_FILE = "experience.safetensors"
+"""Of an initiation whose learner has a replay buffer: what the next training begins with."""
 HISTORY_FILE = "history.parquet"
 """Of a training: one row per roll-out."""
 EPISODES_FILE = "episodes.parquet"

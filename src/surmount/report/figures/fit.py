@@ -42,7 +42,7 @@ def mixture_fit(analysis: Analysis) -> Figure:
         (
             f"Recorded control steps of variant {where} and as many points drawn from its mixture "
             f"of {chosen} Gaussians: the closer the clouds, the better the mixture describes how "
-            "the robot behaves there."
+            "it is done there."
         )
     ]
     if analysis.bic is not None:

@@ -18,7 +18,7 @@ def provenance_section(folder: RunFolder) -> Section:
     blocks: list[Block] = [
         Paragraph(
             text=f"All randomness derives from the seed {folder.config.get('seed', UNDEFINED)}: "
-            "every stage draws its own seed from it, from the obstacle and from the name of the "
+            "every stage draws its own seed from it, from the task and from the name of the "
             "stage, network by network. The same configuration, versions and machine give the same "
             "numbers."
         ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from surmount.analysis.cut import may_divide
 from surmount.analysis.result import Analysis
 from surmount.report.document.parts import Notice
 from surmount.report.document.text import (
@@ -16,6 +17,7 @@ from surmount.report.document.text import (
 )
 from surmount.report.results import RunResults
 from surmount.report.verdicts import group_sentence
+from surmount.tasks.curriculum import ONE_GROUP
 from surmount.workflow.run_folder import RunFolder
 from surmount.workflow.run_layout import INITIATION
 
@@ -74,6 +76,13 @@ def notices(folder: RunFolder) -> list[Notice]:
     return found
 
 
+def one_group_notice(analysis: Analysis | None) -> list[Notice]:
+    """Say before anything else that there is one group, where there is."""
+    if analysis is None or len(analysis.groups) != 1 or not analysis.curriculum.levels:
+        return []
+    return [Notice(title="One group", sentences=(ONE_GROUP,))]
+
+
 def summary(results: RunResults) -> list[str]:
     """Say what was grouped, how many levels there are, and what the tests show."""
     analysis, comparison = results.analysis, results.comparison
@@ -86,6 +95,9 @@ def summary(results: RunResults) -> list[str]:
             )
         ]
     sentences = [grouping_sentence(analysis), level_sentence(analysis)]
+    if len(analysis.groups) == 1 and analysis.curriculum.levels:
+        # The arms are one treatment: to rank them would tell chance for an effect.
+        return sentences
     if comparison is None:
         return [*sentences, "The comparison of both arms is still to come."]
     sentences += [group_sentence(entry) for entry in comparison.groups]
@@ -117,12 +129,14 @@ def grouping_sentence(analysis: Analysis) -> str:
         f"{percent(group.success_rate)} success in the logged trials)"
         for group in groups
     ]
-    if len(groups) == 1:
+    if len(groups) == 1 and not may_divide(analysis.cut):
         return (
-            f"The robot's behaviour on {variants} showed no abrupt change: they form one group, "
-            f"{parts[0]}."
+            f"{variants} are too few for a cut by the rule `{analysis.cut.method}`: they form one "
+            f"group, {parts[0]}."
         )
-    return f"The robot's behaviour divides {variants} into {len(groups)} groups: {listed(parts)}."
+    if len(groups) == 1:
+        return f"Behaviour on {variants} showed no abrupt change: they form one group, {parts[0]}."
+    return f"Behaviour divides {variants} into {len(groups)} groups: {listed(parts)}."
 
 
 def level_sentence(analysis: Analysis) -> str:

@@ -1,0 +1,89 @@
+"""Thousands of environments ask for tasks by one call; levels follow as they do one by one."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from toy_learner import toy_curriculum
+
+from surmount.core.errors import InputError
+from surmount.tasks.regions import Regions
+from surmount.teachers.advancement import AdvancementConfig
+from surmount.teachers.batched import BatchedTeacher
+from surmount.teachers.levels import LevelTeacher
+
+ENVS, STEPS = 4096, 8
+ADVANCEMENT = AdvancementConfig(
+    iteration_steps=4 * ENVS * STEPS, extension_steps=2 * ENVS * STEPS, window_steps=ENVS * STEPS
+)
+
+
+def teacher():
+    curriculum = toy_curriculum()
+    levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
+    return LevelTeacher(levels, ADVANCEMENT)
+
+
+def roll_out(batched, rng):
+    """Episodes of eight steps; success below a half, rewarded at the end."""
+    for step in range(STEPS):
+        done = np.full(ENVS, step == STEPS - 1)
+        success = batched.tasks[:, 0] < 0.5
+        batched.step(1.0 * (done & success), done, success)
+        if done.any():
+            batched.draw(np.flatnonzero(done))
+    return batched.update()
+
+
+def test_4096_environments_draw_by_one_call_what_the_level_weights_say():
+    batched = BatchedTeacher(teacher(), ENVS, seed=0)
+    drawn = batched.draw(np.arange(ENVS))
+    assert drawn.shape == (ENVS, 1)
+    regions = Regions.of(toy_curriculum())
+    shares = regions.shares(batched.distribution)
+    counted = [
+        np.mean((drawn >= low[0]) & (drawn <= high[0]))
+        for low, high in zip(regions.lower, regions.upper, strict=True)
+    ]
+    # Four standard deviations of a share of 4,096 draws, 0.03; groups share their borders.
+    np.testing.assert_allclose(counted, shares, atol=0.04)
+
+
+def test_levels_follow_each_other_as_they_do_one_by_one():
+    batched = BatchedTeacher(teacher(), ENVS, seed=0)
+    batched.draw(np.arange(ENVS))
+    rng = np.random.default_rng(0)
+    tests = []
+    for _ in range(40):
+        if batched.teacher.finished:
+            break
+        test = roll_out(batched, rng)
+        if test is not None:
+            tests.append(test)
+    assert {test.level for test in tests} == {0, 1}
+    assert batched.teacher.finished
+    # An episode that succeeds is worth 1: r is the share of tasks below a half in what was drawn.
+    assert tests[0].first_episodes == ENVS
+    share = tests[0].first_window
+    assert 0.4 < share < 0.7
+
+
+def test_it_goes_on_from_json_as_if_never_stopped():
+    first, second = (BatchedTeacher(teacher(), ENVS, seed=3) for _ in range(2))
+    rng = np.random.default_rng(0)
+    first.draw(np.arange(ENVS))
+    roll_out(first, rng)
+    second.load_state_dict(json.loads(json.dumps(first.state_dict())))
+    for _ in range(3):
+        roll_out(first, rng)
+        roll_out(second, rng)
+    np.testing.assert_array_equal(first.tasks, second.tasks)
+    assert first.teacher.state_dict() == second.teacher.state_dict()
+
+
+def test_an_episode_without_a_task_is_refused():
+    batched = BatchedTeacher(teacher(), 3, seed=0)
+    with pytest.raises(InputError, match="given no task"):
+        batched.step(np.zeros(3), [True, False, False], [False] * 3)
