@@ -21,11 +21,15 @@ test: $(READY)  ## all checks and the fast tests
 test-slow: $(READY)  ## learning and soak tests, nightly
 	$(BIN)/pytest -m slow
 
-nightly: $(READY)  ## all tests with new draws, 100,000 fuzzed cases, 50 kills; prints what repeats a failure
+nightly: $(READY)  ## all tests with new draws, 100,000 fuzzed cases, soaks of kills, stores and disks; prints what repeats a failure
 	HYPOTHESIS_PROFILE=nightly $(BIN)/pytest -m "not slow" --numprocesses auto --dist loadfile
 	HYPOTHESIS_PROFILE=nightly $(BIN)/pytest -m slow
 	HYPOTHESIS_PROFILE=nightly SURMOUNT_FUZZ_CASES=100000 $(BIN)/pytest tests/test_fuzz.py --numprocesses auto
 	$(BIN)/python benchmarks/kill_soak.py --kills 50 --out out/kills
+	$(BIN)/python benchmarks/aimed_kills.py --out out/aimed
+	$(BIN)/python benchmarks/aimed_kills.py --ray --out out/aimed-ray
+	$(BIN)/python benchmarks/store_soak.py --out out/store
+	$(BIN)/python benchmarks/disk_soak.py --out out/disk
 
 check: $(READY)  ## lint, format, types, rooms
 	$(BIN)/ruff check .

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import csv
 import io
 import json
@@ -238,6 +239,44 @@ def test_the_parser_of_ml_agents_reads_the_files(curriculum, tmp_path):
         np.testing.assert_allclose(lesson[1], own)
 
 
+HOSTILE_NAMES = ("=1+1", "$levels", "__LEVELS__", "a\"b'c\\", "${x", "\U0001f600", "{{ x }}", "%s")
+
+
+@pytest.mark.parametrize("name", HOSTILE_NAMES)
+def test_exported_python_is_valid_for_any_name(name):
+    named = replace(
+        STEP,
+        parameters=(name,),
+        groups=(replace(STEP.groups[0], name=name), *STEP.groups[1:]),
+        levels=(replace(STEP.levels[0], dominant=name), STEP.levels[1]),
+    )
+    for kind in ("sb3", "syllabus"):
+        (text,) = export_curriculum(named, kind).files.values()
+        found = {
+            node.targets[0].id: ast.literal_eval(node.value)
+            for node in ast.parse(text).body
+            if isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and node.targets[0].id in ("PARAMETERS", "LEVELS")
+        }
+        assert found["PARAMETERS"] == [name]
+        assert [level["dominant"] for level in found["LEVELS"]] == [name, "difficult"]
+
+
+@pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@SUM(A1)"])
+def test_no_cell_of_the_table_is_a_formula(name):
+    named = replace(
+        STEP,
+        parameters=(name,),
+        groups=(replace(STEP.groups[0], name=name), *STEP.groups[1:]),
+        levels=(replace(STEP.levels[0], dominant=name), STEP.levels[1]),
+    )
+    text = export_curriculum(named, "csv").files["curriculum.csv"]
+    cells = [cell for row in csv.reader(io.StringIO(text)) for cell in row]
+    assert f"'{name}" in cells
+    assert not any(cell.startswith(("=", "+", "-", "@", "\t")) for cell in cells)
+
+
 def test_the_table_holds_every_probability():
     text = export_curriculum(STEP, "csv").files["curriculum.csv"]
     rows = list(csv.DictReader(io.StringIO(text)))
@@ -424,7 +463,7 @@ def test_the_file_for_syllabus_samples_the_first_and_the_last_level_by_their_wei
 def test_the_file_for_syllabus_is_python_and_holds_the_levels():
     text = export_curriculum(STEP, "syllabus").files["curriculum_syllabus.py"]
     compile(text, "curriculum_syllabus.py", "exec")
-    assert '"dominant": "difficult"' in text
+    assert "'dominant': 'difficult'" in text
 
 
 @pytest.mark.parametrize("to", ["ml-agents", "syllabus", "sb3", "csv"])

@@ -179,3 +179,18 @@ def test_any_text_is_refused_in_a_sentence(tmp_path_factory, text):
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError):
         Curriculum.load(path)
+
+
+@pytest.mark.parametrize("weight", [5e-324, 1e-300, 1e-13])
+def test_a_weight_that_vanishes_in_products_is_refused(weight: float):
+    """Nothing would be drawn from it, and shares of its box would be NaN."""
+    record = curriculum().to_record()
+    for box_record in record["groups"][0]["boxes"]:
+        box_record["weight"] = weight
+    with pytest.raises(InputError, match="weight between 0 and"):
+        Curriculum.from_record(record)
+    record = curriculum().to_record()
+    names = list(record["levels"][0]["weights"])
+    record["levels"][0]["weights"] = {names[0]: 1.0, names[1]: weight}
+    with pytest.raises(InputError, match="weight between 0 and"):
+        Curriculum.from_record(record)

@@ -72,6 +72,15 @@ def cut_dendrogram(dendrogram: Dendrogram, distances: FloatArray, config: Analys
     )
 
 
+def may_divide(cut: Cut) -> bool:
+    """Whether there are variants enough for the rule to divide them at all.
+
+    A gap is abrupt beside those within a side of three variants; other rules compare links.
+    """
+    fewest = {"fixed count": 1, "abrupt": 4}.get(cut.method, 3)
+    return cut.labels.size >= fewest
+
+
 def abruptness(
     dendrogram: Dendrogram, distances: FloatArray, alike_distance: float = 0.0
 ) -> FloatArray:

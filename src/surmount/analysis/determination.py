@@ -164,7 +164,7 @@ def determine_curriculum(
         notes=trials.notes,
         warnings=(),
     )
-    return analysis_warnings(analysis)
+    return analysis_warnings(analysis, outliers=data.outliers)
 
 
 def _bic_variant(data: VariantSamples, config: AnalysisConfig, axes: Axes) -> int:

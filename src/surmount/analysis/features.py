@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,9 @@ from surmount.trials.trials import Trials
 
 _LARGEST_VALUE = 1e100
 """Larger values count as infinite: their squares overflow."""
+_FEWEST_FOR_OUTLIERS = 20
+_OUTLYING = 1.0
+"""Squared distance from the mean, as a share of all others' about theirs, of a value told."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,6 +83,8 @@ class VariantSamples:
         Name of each network; empty where they have numbers only.
     features
         How the samples were made from the logged features.
+    outliers
+        Features of which one value is farther from the mean than all others together, with it.
     """
 
     variants: FloatArray
@@ -92,6 +97,7 @@ class VariantSamples:
     network: IntArray
     network_names: tuple[str, ...]
     features: FeatureMap
+    outliers: Mapping[str, float]
 
     def network_name(self, network: int) -> str:
         """Return what a network is called."""
@@ -128,7 +134,8 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
     names, x = _selected(trials, config, kept)
     trial_of = np.repeat(np.arange(trials.n_trials), trials.lengths)[kept]
     feature_map = _feature_map(names, x, config)
-    used = [names.index(name) for name in feature_map.logged]
+    dropped = set(feature_map.dropped)
+    used = [index for index, name in enumerate(names) if name not in dropped]
     z = (x[:, used] - feature_map.centre) @ feature_map.matrix
     samples: list[FloatArray] = []
     origins: list[IntArray] = []
@@ -156,6 +163,7 @@ def variant_samples(trials: Trials, config: AnalysisConfig) -> VariantSamples:
         network=trials.network,
         network_names=trials.network_names,
         features=feature_map,
+        outliers=_outliers(names, x),
     )
 
 
@@ -177,7 +185,12 @@ def _selected(
     trials: Trials, config: AnalysisConfig, kept: BoolArray
 ) -> tuple[tuple[str, ...], FloatArray]:
     names = config.features or trials.feature_names
-    x = np.stack([trials.column(name)[kept] for name in names], axis=1).astype(np.float64)
+    place = {name: index for index, name in enumerate(trials.feature_names)}
+    columns = (
+        trials.features[:, place[name]] if name in place else trials.column(name)  # refused there
+        for name in names
+    )
+    x = np.stack([column[kept] for column in columns], axis=1).astype(np.float64)
     finite = np.asarray((np.abs(x) <= _LARGEST_VALUE).all(axis=0))
     if not finite.all():
         bad = [name for name, good in zip(names, finite, strict=True) if not good]
@@ -193,7 +206,7 @@ def _feature_map(names: tuple[str, ...], x: FloatArray, config: AnalysisConfig) 
     scaling = scaling_of(x)
     varies = np.asarray(scaling.scale > 0)
     logged = tuple(name for name, moves in zip(names, varies, strict=True) if moves)
-    dropped = tuple(name for name in names if name not in logged)
+    dropped = tuple(name for name, moves in zip(names, varies, strict=True) if not moves)
     if not logged:
         raise InputError(
             f"No feature varies: {', '.join(names)} have one value each in all trials.",
@@ -225,6 +238,23 @@ def _feature_map(names: tuple[str, ...], x: FloatArray, config: AnalysisConfig) 
         scaling=Scaling(centre=np.zeros(n_axes), scale=np.ones(n_axes)),
         explained_variance=float(share[n_axes - 1]),
     )
+
+
+def _outliers(names: Sequence[str], x: FloatArray) -> dict[str, float]:
+    """Return the single values that make up more than half of their feature's variance.
+
+    Divided by such a standard deviation, everything else hardly differs.
+    """
+    if x.shape[0] < _FEWEST_FOR_OUTLIERS:
+        return {}
+    found: dict[str, float] = {}
+    for name, column in zip(names, x.T, strict=True):
+        squares = np.square(column - column.mean())
+        row = int(squares.argmax())
+        rest = np.delete(column, row)
+        if squares[row] > _OUTLYING * np.square(rest - rest.mean()).sum():
+            found[name] = float(column[row])
+    return found
 
 
 def _principal_axes(z: FloatArray) -> tuple[FloatArray, FloatArray]:

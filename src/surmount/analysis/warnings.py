@@ -4,26 +4,39 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+from collections.abc import Mapping
 from typing import Any, cast
 
 import numpy as np
 from scipy.stats import fisher_exact
 
+from surmount.analysis.cut import may_divide
 from surmount.analysis.description import describe_variants
 from surmount.analysis.features import describe_variant
 from surmount.analysis.result import Analysis
 from surmount.analysis.trust import hanging, unstable_parts
 
 _FEW_TRIALS = 10
+_SHOWN = 5
+"""Features that a warning names."""
 _TOLD_APART = 0.05
 """Probability below which the success rates of two groups are told apart."""
 
 
-def analysis_warnings(analysis: Analysis) -> Analysis:
-    """Return the analysis with its warnings filled in."""
+def analysis_warnings(analysis: Analysis, *, outliers: Mapping[str, float]) -> Analysis:
+    """Return the analysis with its warnings filled in.
+
+    Parameters
+    ----------
+    analysis
+        All evidence.
+    outliers
+        Single values that outweigh all others of their feature, by feature.
+    """
     found = [
         *_about_data(analysis),
         *_about_features(analysis),
+        *_about_outliers(analysis, outliers),
         *_about_fits(analysis),
         *_about_groups(analysis),
         *_about_order(analysis),
@@ -82,6 +95,20 @@ def _groups(count: int) -> str:
     return "one group" if count == 1 else f"{count} groups"
 
 
+def _about_outliers(analysis: Analysis, outliers: Mapping[str, float]) -> list[str]:
+    used = {name: value for name, value in outliers.items() if name in analysis.features.logged}
+    if not used:
+        return []
+    shown = ", ".join(f"`{name}` (one is {value:g})" for name, value in [*used.items()][:_SHOWN])
+    more = f" and {len(used) - _SHOWN} more features" if len(used) > _SHOWN else ""
+    warning = (
+        f"One value is farther from the mean than all others together in {shown}{more}: beside it, "
+        "the others hardly differ, and the feature says next to nothing. Drop that trial, or leave "
+        "the feature out with `features`."
+    )
+    return [warning]
+
+
 def _about_fits(analysis: Analysis) -> list[str]:
     found: list[str] = []
     if analysis.not_converged:
@@ -121,6 +148,12 @@ def _about_groups(analysis: Analysis) -> list[str]:
             f"Behaviour changes abruptly, but only around groups of at most "
             f"{analysis.merges[0].limit} variants ({small}), which were merged: all variants form "
             "one group. Lower `small_group_size` to keep them, or record variants in between."
+        )
+    elif len(analysis.groups) == 1 and not may_divide(analysis.cut):
+        found.append(
+            f"{len(analysis.variants)} variants cannot be cut by the rule `{analysis.cut.method}`: "
+            "it compares links with each other, and there are too few. They form one group, "
+            "whatever the behaviour; record more variants."
         )
     elif len(analysis.groups) == 1:
         found.append("No abrupt change of behaviour was found: all variants form one group.")

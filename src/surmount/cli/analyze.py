@@ -10,6 +10,7 @@ import tyro
 from surmount.cli.columns import ColumnOptions
 from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.part_progress import PartProgress
+from surmount.core.printing import say
 
 
 def analyze(
@@ -41,12 +42,12 @@ def analyze(
     from surmount.analysis.trust import describe_trust
     from surmount.workflow.run_layout import ANALYSIS_FILE, CURRICULUM_FILE
 
-    print("\n".join(describe_curriculum(analysis.curriculum)))
-    print("\nHow far to trust it")
+    say("\n".join(describe_curriculum(analysis.curriculum)))
+    say("\nHow far to trust it")
     for sentence in (*describe_trust(analysis), *analysis.warnings):
-        print(f"  {sentence}")
-    print(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
-    print(f"To read: {page}")
+        say(f"  {sentence}")
+    say(f"\nWritten to {out}: {CURRICULUM_FILE}, {ANALYSIS_FILE}, figures/")
+    say(f"To read: {page}")
     return 0
 
 

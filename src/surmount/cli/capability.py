@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.core.printing import say
 
 MAP = "capability.json"
 
@@ -68,5 +69,5 @@ def capability(
             say=print,
         )
         write_capability_figure(record, out)
-    print(f"Written to {out}: {MAP}, capability.svg, capability.png, capability.csv")
+    say(f"Written to {out}: {MAP}, capability.svg, capability.png, capability.csv")
     return 0

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import tyro
 
+from surmount.core.printing import say
+
 BROKEN = 3
 """Exit code where a clause does not hold, as for an input that cannot be used."""
 
@@ -26,14 +28,14 @@ def check(environment: Annotated[str, tyro.conf.Positional], *, seed: int = 0) -
 
     findings = check_contract(load_make_env(environment), seed=seed)
     for finding in findings:
-        print(f"{'holds ' if finding.holds else 'BROKEN'}  {finding.clause}: {finding.sentence}")
+        say(f"{'holds ' if finding.holds else 'BROKEN'}  {finding.clause}: {finding.sentence}")
         if not finding.holds:
-            print(f"        {finding.remedy}")
+            say(f"        {finding.remedy}")
         if finding.note:
-            print(f"        Note: {finding.note}")
+            say(f"        Note: {finding.note}")
     broken = sum(not finding.holds for finding in findings)
     if broken:
-        print(f"{broken} of {len(findings)} clauses broken.")
+        say(f"{broken} of {len(findings)} clauses broken.")
         return BROKEN
-    print(f"All {len(findings)} clauses hold.")
+    say(f"All {len(findings)} clauses hold.")
     return 0

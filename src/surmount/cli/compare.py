@@ -50,16 +50,15 @@ def compare(arguments: Sequence[str]) -> int:
 
 
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
-    from rich.console import Console
-
     from surmount.core.records import read_record
     from surmount.experiment.experiment import Experiment
     from surmount.report.pages import write_report
     from surmount.report.teachers_page import write_teachers_report
+    from surmount.workflow.console import SafeConsole
 
     teaching: TeachersConfig = beside[TEACHING]
     _require_used(teaching, options.teachers)
-    console = Console()
+    console = SafeConsole()
     experiment = Experiment(chosen, options.out)
     outcome = experiment.compare(
         options.teachers, settings=teaching, **options.workers.checked(), console=console

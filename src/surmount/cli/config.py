@@ -8,6 +8,7 @@ from typing import Any
 
 from surmount.cli.configuration_flags import ConfigurationOptions, run_configured
 from surmount.core.configuration import dotted_keys, to_record
+from surmount.core.printing import say
 from surmount.experiment.config import ExperimentConfig
 
 
@@ -27,5 +28,5 @@ def _print(
         for part in key.split("."):
             value = value[part]
         # TOML has no null; as text it is read as JSON again, like every text.
-        print(f"{key} = {json.dumps('null' if value is None else value)}")
+        say(f"{key} = {json.dumps('null' if value is None else value)}")
     return 0

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.columns import ColumnOptions
+from surmount.core.printing import say
 
 
 def convert(
@@ -31,10 +32,10 @@ def convert(
     with output_errors(out.parent):
         write_trials(out, trials)
     variants, _ = trials.variants()
-    print(
+    say(
         f"{trials.n_trials} trials on {len(variants)} variants, {int(trials.success.sum())} "
         f"succeeded, {trials.n_samples} rows: {out}"
     )
     for note in trials.notes:
-        print(f"  {note}")
+        say(f"  {note}")
     return 0

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.core.printing import say
 
 
 def evaluate(
@@ -37,12 +38,12 @@ def evaluate(
         set: Configuration key to change, as key=value; may be repeated; overrides the file.
     """
     import torch
-    from rich.console import Console
 
     from surmount.cli.success_table import success_table
     from surmount.experiment.evaluation import evaluate_network
     from surmount.learn.rollout_config import RolloutConfig
     from surmount.trials.table import write_trials
+    from surmount.workflow.console import SafeConsole
     from surmount.workflow.monitor import SilentMonitor
     from surmount.workflow.store import output_errors
 
@@ -56,10 +57,10 @@ def evaluate(
         seed=seed,
         monitor=SilentMonitor(),
     )
-    Console().print(success_table(evaluation), highlight=False)
+    SafeConsole().print(success_table(evaluation), highlight=False)
     if out is not None:
         with output_errors(out.parent):
             out.parent.mkdir(parents=True, exist_ok=True)
             write_trials(out, evaluation.trials)
-        print(f"Written to {out}: {evaluation.trials.n_trials:,} trials")
+        say(f"Written to {out}: {evaluation.trials.n_trials:,} trials")
     return 0

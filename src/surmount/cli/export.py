@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import tyro
 
 from surmount.core.errors import ConfigError
+from surmount.core.printing import say
 from surmount.core.records import write_atomically
 from surmount.exports.formats import FORMATS, export_curriculum
 from surmount.exports.ml_agents import export_ml_agents
@@ -58,9 +59,9 @@ def export(
     with output_errors(out):
         for name, text in made.files.items():
             write_atomically(out / name, text.encode())
-    print(f"Written to {out}: {', '.join(made.files)}")
+    say(f"Written to {out}: {', '.join(made.files)}")
     for note in made.notes:
-        print(f"  {note}")
+        say(f"  {note}")
     return 0
 
 
@@ -82,5 +83,5 @@ def _export_network(file: Path, to: str, out: Path) -> int:
             export_onnx(network, path)
         else:
             acting_only(network).save(path)
-    print(f"Written to {path}: {path.stat().st_size:,} bytes")
+    say(f"Written to {path}: {path.stat().st_size:,} bytes")
     return 0

@@ -31,11 +31,10 @@ def initiations(
         out: Folder for networks, trials and the map.
         workers: Where stages run.
     """
-    from rich.console import Console
-
     from surmount.core.records import write_record
     from surmount.studies.initiation_figure import write_initiation_figure
     from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
+    from surmount.workflow.console import SafeConsole
     from surmount.workflow.progress import run_graph
     from surmount.workflow.provenance import provenance
     from surmount.workflow.store import output_errors, sole_user
@@ -43,7 +42,7 @@ def initiations(
     workers.checked()
     chosen = read_settings(settings)
     graph = initiation_stages(chosen)
-    console = Console()
+    console = SafeConsole()
     with sole_user(out):
         outcome = run_graph(
             out, graph, workers.make, console, store=workers.store, retries=workers.retries

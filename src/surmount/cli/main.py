@@ -7,7 +7,7 @@ code  meaning
 1     something failed while running
 2     wrong option, unknown preset, unknown configuration key
 3     an input file cannot be used
-4     the output folder cannot be used
+4     the output folder, or standard output, cannot be used
 5     a stored artefact does not fit its hash
 6     an optional dependency is missing
 7     learning failed
@@ -26,10 +26,11 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 
 from surmount import __version__
-from surmount.core.errors import ConfigError, SurmountError
+from surmount.cli import interrupting, streams
+from surmount.cli.interrupting import INTERRUPTED
+from surmount.core.errors import ConfigError, OutputError, SurmountError
 from surmount.core.extras import told_error
-
-INTERRUPTED = 130
+from surmount.core.printing import complain, say
 
 GROUPS: Mapping[str, Mapping[str, str]] = {
     "your trials": {
@@ -71,7 +72,16 @@ VERBS = tuple(verb for group in GROUPS.values() for verb in group)
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
-    sys.exit(run(arguments))
+    interrupting.prepare()
+    written_to = streams.prepare()
+    code = run(arguments)
+    try:
+        streams.require_written(written_to)
+    except BrokenPipeError:
+        _leave_pipe()
+    except OutputError as error:
+        code = _complain(error)
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -79,10 +89,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
     try:
         return _dispatch(sys.argv[1:] if arguments is None else list(arguments))
     except KeyboardInterrupt:
-        print("surmount: interrupted.", file=sys.stderr)
+        say("surmount: interrupted.", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has left
+        _leave_pipe()
         return 0
     except Exception as error:
         told = told_error(error)
@@ -100,10 +110,10 @@ def _dispatch(given: list[str]) -> int:
             return function_of(verb)(given[1:])
         return tyro.cli(function_of(verb), prog=f"surmount {verb}", args=given[1:])
     if verb in ("--help", "-h", "help"):
-        print(_help())
+        say(_help())
         return 0
     if verb == "--version":
-        print(f"surmount {__version__}")
+        say(f"surmount {__version__}")
         return 0
     raise _unknown(verb)
 
@@ -136,5 +146,10 @@ def function_of(verb: str) -> Callable[..., int]:
 
 
 def _complain(error: SurmountError) -> int:
-    print(f"surmount: {error.message}\n{error.remedy}", file=sys.stderr)
+    complain(error.message, error.remedy)
     return error.exit_code
+
+
+def _leave_pipe() -> None:
+    """Write no more to a pipe whose reader has left."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -6,6 +6,7 @@ import torch
 
 from surmount.cli.options import overrides
 from surmount.cli.showing import Shown
+from surmount.core.printing import say
 from surmount.rstar.film.footage import Wanted, motions
 from surmount.rstar.film.motion import Motion
 
@@ -29,5 +30,5 @@ def shown_motions(shown: Shown) -> list[Motion]:
     for motion in motions(wanted):
         found.append(motion)
         size = f"{motion.obstacle.name}, {motion.size_mm:g} mm"
-        print(f"{size}: {motion.caption}: {motion.outcome}")
+        say(f"{size}: {motion.caption}: {motion.outcome}")
     return found

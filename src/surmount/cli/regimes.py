@@ -30,11 +30,10 @@ def regimes(
         out: Folder for networks, trials and the map.
         workers: Where stages run.
     """
-    from rich.console import Console
-
     from surmount.core.records import write_record
     from surmount.studies.regime_figure import write_regime_figure
     from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
+    from surmount.workflow.console import SafeConsole
     from surmount.workflow.progress import run_graph
     from surmount.workflow.provenance import provenance
     from surmount.workflow.store import output_errors, sole_user
@@ -42,7 +41,7 @@ def regimes(
     workers.checked()
     chosen = read_regime_map(map)
     graph = regime_stages(chosen)
-    console = Console()
+    console = SafeConsole()
     with sole_user(out):
         outcome = run_graph(
             out, graph, workers.make, console, store=workers.store, retries=workers.retries

@@ -11,6 +11,7 @@ import tyro
 
 from surmount.cli.showing import Shown
 from surmount.core.errors import ConfigError
+from surmount.core.printing import say
 
 
 def render(
@@ -34,12 +35,12 @@ def render(
         speed: Speed of a film against real time; 1 if left out, 0.25 is slow motion.
         at: Moments on a sheet, in s; six from start to end if left out.
     """
-    from rich.console import Console
     from rich.progress import track
 
     from surmount.cli.motions import shown_motions
     from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png
     from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames
+    from surmount.workflow.console import SafeConsole
 
     check_output(out)
     _refuse(at if out.suffix in FILM_WRITERS else (), "--at", "a film")
@@ -58,14 +59,14 @@ def render(
         what = f"{sheet.shape[1]} x {sheet.shape[0]} pixels"
     else:
         count = count_frames(motions, film)
-        console = Console(stderr=True)
+        console = SafeConsole(stderr=True)
         hidden = not sys.stderr.isatty()
         drawn = track(
             frames(motions, film), "drawing", count, console=console, disable=hidden, transient=True
         )
         FILM_WRITERS[out.suffix](out, drawn, film.fps)
         what = f"{count} frames, {count / film.fps:.1f} s, {size[0]} x {size[1]} pixels"
-    print(f"Written to {out}: {what}")
+    say(f"Written to {out}: {what}")
     return 0
 
 

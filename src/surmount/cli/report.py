@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import ConfigError
+from surmount.core.printing import say
 
 
 def report(
@@ -26,7 +27,7 @@ def report(
     from surmount.studies.paper.pages import write_overview
 
     if out is not None:
-        print(f"Report: {write_overview(folder, out).resolve()}")
+        say(f"Report: {write_overview(folder, out).resolve()}")
         return 0
     if len(folder) != 1:
         raise ConfigError(
@@ -34,5 +35,5 @@ def report(
             remedy="Give one run, or --out for a page over several.",
         )
     films(folder[0], print)
-    print(f"Report: {write_report(folder[0]).resolve()}")
+    say(f"Report: {write_report(folder[0]).resolve()}")
     return 0

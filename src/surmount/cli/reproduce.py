@@ -22,12 +22,11 @@ def reproduce(arguments: Sequence[str]) -> int:
 
 
 def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]) -> int:
-    from rich.console import Console
-
     from surmount.cli.summary import print_summary
     from surmount.experiment.experiment import Experiment
+    from surmount.workflow.console import SafeConsole
 
-    console = Console()
+    console = SafeConsole()
     experiment = Experiment(chosen, options.out)
     if experiment.run(**options.workers.checked(), console=console).interrupted:
         console.print(f"Stopped. Go on with: surmount reproduce --resume --out {options.out}")

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.core.errors import InputError
+from surmount.core.printing import say
 from surmount.workflow.opening import opened
 from surmount.workflow.run_folder import open_run
 from surmount.workflow.run_layout import ANALYSIS, ANALYSIS_FILE, CURRICULUM_FILE, RUN
@@ -45,7 +46,7 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
         )
     else:
         lines = describe_curriculum(Curriculum.load(path))
-    print("\n".join(lines))
+    say("\n".join(lines))
     return 0
 
 

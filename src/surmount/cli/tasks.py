@@ -12,6 +12,7 @@ import tyro
 from surmount.cli.options import Task
 from surmount.core.configuration import dotted_keys, to_record
 from surmount.core.errors import SurmountError
+from surmount.core.printing import say
 from surmount.envs.family import TaskFamily
 from surmount.envs.registry import find_family, registered_families
 from surmount.tasks.space import TaskSpace, describe_range
@@ -29,12 +30,12 @@ def tasks(task: Annotated[Task, tyro.conf.Positional] = None) -> int:
             environment of your own, as my_module:make_env.
     """
     if task is not None:
-        print("\n".join(_described(find_family(task))))
+        say("\n".join(_described(find_family(task))))
         return 0
     families = registered_families()
     for name, family in families.items():
-        print("\n".join(_listed(name, family)))
-    print(f"{len(families)} tasks are registered; `surmount tasks NAME` tells more of one.")
+        say("\n".join(_listed(name, family)))
+    say(f"{len(families)} tasks are registered; `surmount tasks NAME` tells more of one.")
     return 0
 
 

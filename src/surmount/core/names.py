@@ -18,3 +18,12 @@ def is_printable(name: str) -> bool:
     return len(name) <= LONGEST_NAME and not any(
         unicodedata.category(character) in _UNFIT or character in _TURNING for character in name
     )
+
+
+FORMULA_MARKS = ("=", "+", "-", "@", "\t", "\r")
+"""A text that begins so is a formula to spreadsheets, and may run a program."""
+
+
+def text_cell(text: str) -> str:
+    """Return a text for a cell of CSV, as which no spreadsheet takes it for a formula."""
+    return f"'{text}" if text.startswith(FORMULA_MARKS) else text

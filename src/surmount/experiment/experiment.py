@@ -11,6 +11,7 @@ from rich.console import Console
 from surmount.analysis.result import Analysis
 from surmount.core.configuration import override
 from surmount.core.errors import OutputError
+from surmount.core.printing import say
 from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig, fingerprinted
 from surmount.experiment.films import films
@@ -22,6 +23,7 @@ from surmount.report.pages import write_report
 from surmount.report.teachers_page import write_teachers_report
 from surmount.tasks.curriculum import Curriculum
 from surmount.teachers.catalogue import TeachersConfig
+from surmount.workflow.console import SafeConsole
 from surmount.workflow.executor import RETRIES
 from surmount.workflow.executors import make_executor
 from surmount.workflow.graph import Stage
@@ -180,7 +182,7 @@ class Experiment:
         chosen = settings or TeachersConfig()
         return self._run(lambda config: comparison_graph(config, tuple(teachers), chosen), **where)
 
-    def report(self, *, films_too: bool = True, say: Callable[[str], None] = print) -> Path:
+    def report(self, *, films_too: bool = True, say: Callable[[str], None] = say) -> Path:
         """Draw the page of the run, finished or not, and return its path.
 
         Parameters
@@ -264,7 +266,7 @@ class Experiment:
                 self.folder,
                 stages,
                 lambda listener: make_executor(processes, listener, kind=executor, address=address),
-                console or Console(),
+                console or SafeConsole(),
                 store=store,
                 retries=retries,
                 observed_by=lambda display: Journal(self.folder, display),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Callable
 from importlib import resources
+from pprint import pformat
+from string import Template
 
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
+from surmount.core.names import text_cell
 from surmount.exports.export import Export, require_levels
 from surmount.exports.ml_agents import export_ml_agents
 from surmount.tasks.curriculum import Curriculum
@@ -26,10 +28,8 @@ def export_table(curriculum: Curriculum) -> Export:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     names = curriculum.parameters
-    writer.writerow(
-        ["level", "dominant", "group", "weight", *(f"{name}_lower" for name in names),
-         *(f"{name}_upper" for name in names)]
-    )  # fmt: skip
+    bounds = [f"{name}_{side}" for side in ("lower", "upper") for name in names]
+    writer.writerow(["level", "dominant", "group", "weight", *map(text_cell, bounds)])
     for number, level in enumerate(curriculum.levels, 1):
         for group, weight in zip(curriculum.groups, level.weights, strict=True):
             total = sum(box.weight for box in group.boxes)
@@ -37,8 +37,8 @@ def export_table(curriculum: Curriculum) -> Export:
                 if weight * box.weight > 0:
                     share = weight * box.weight / total
                     writer.writerow(
-                        [number, level.dominant, group.name, share, *box.lower.tolist(),
-                         *box.upper.tolist()]
+                        [number, text_cell(level.dominant), text_cell(group.name), share,
+                         *box.lower.tolist(), *box.upper.tolist()]
                     )  # fmt: skip
     return Export(
         files={"curriculum.csv": text.getvalue()},
@@ -99,7 +99,7 @@ def _filled(template: str, curriculum: Curriculum) -> str:
         dict(curriculum.level_distribution(level).to_record())
         for level in range(curriculum.n_levels)
     ]
-    boxes = json.dumps(
+    boxes = pformat(
         [
             {
                 "dominant": curriculum.levels[index].dominant,
@@ -109,8 +109,8 @@ def _filled(template: str, curriculum: Curriculum) -> str:
             }
             for index, level in enumerate(levels)
         ],
-        indent=4,
+        width=100,
+        sort_dicts=False,
     )
     text = resources.files("surmount.exports").joinpath(template).read_text(encoding="utf-8")
-    names = json.dumps(list(curriculum.parameters))
-    return text.replace("__PARAMETERS__", names).replace("__LEVELS__", boxes)
+    return Template(text).substitute(parameters=list(curriculum.parameters), levels=boxes)

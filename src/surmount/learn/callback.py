@@ -11,6 +11,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
 from surmount.core.errors import ConfigError, InputError
+from surmount.core.printing import say
 from surmount.core.records import read_record, write_record
 from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.episode_recorder import EpisodeRecorder
@@ -108,7 +109,7 @@ class TeacherCallback(BaseCallback):
         if test is not None:
             self.tests.append(test)
             if self.verbose:
-                print(test.sentence)
+                say(test.sentence)
         log_curriculum(
             self.logger,
             distribution=None if self.teacher.finished else self.teacher.distribution(),

@@ -85,7 +85,10 @@ class Snapshot:
                 metadata = cast("dict[str, str]", file.metadata() or {})
                 tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             found = parse_record(metadata["surmount"].encode(), str(path))
-        except (OSError, SafetensorError, KeyError, ValueError, SurmountError) as error:
+        except (
+            *(OSError, SafetensorError, SurmountError),
+            *(KeyError, ValueError, TypeError, AttributeError),  # a type that NumPy lacks
+        ) as error:
             if sealed:
                 raise _damaged(path) from error
             raise InputError(

@@ -22,6 +22,8 @@ BOX_KEYS = ("lower", "upper", "weight")
 LEVEL_KEYS = ("dominant", "weights")
 _SUM_TOLERANCE = 1e-6
 """Weights written by hand with six digits must pass."""
+_SMALLEST_WEIGHT = 1e-12
+"""Positive weights are at least this share: products of smaller ones vanish, nothing is drawn."""
 
 
 def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
@@ -131,8 +133,11 @@ def _group_problems(group: Mapping[str, Any], place: str, axes: Axes) -> list[st
         if not _is_number(box.get("weight"), 0, math.inf):
             problems.append(f"`{where}.weight` is not a number of at least 0")
             sound = False
-    if sound and sum(box["weight"] for box in boxes) <= 0:
+    total = sum(box["weight"] for box in boxes) if sound else 1.0
+    if total <= 0:
         problems.append(f"`{place}.boxes` have no weight")
+    elif sound and any(_vanishes(box["weight"], max(1.0, total)) for box in boxes):
+        problems.append(f"`{place}.boxes` have {_TOO_SMALL}")
     return problems
 
 
@@ -157,7 +162,16 @@ def _level_problems(level: Mapping[str, Any], place: str, names: list[Any]) -> l
         problems.append(f"`{place}.weights` are not all numbers from 0 to 1")
     elif abs(sum(weights.values()) - 1.0) > _SUM_TOLERANCE:
         problems.append(f"`{place}.weights` sum to {sum(weights.values()):g}, not to 1")
+    elif any(_vanishes(weight, 1.0) for weight in weights.values()):
+        problems.append(f"`{place}.weights` have {_TOO_SMALL}")
     return problems
+
+
+_TOO_SMALL = f"a weight between 0 and {_SMALLEST_WEIGHT:g} of all: give 0, or more"
+
+
+def _vanishes(weight: float, total: float) -> bool:
+    return 0 < weight < _SMALLEST_WEIGHT * total
 
 
 def _is_number(value: object, low: float = -math.inf, high: float = math.inf) -> bool:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.axis import axes_to_record
+from surmount.trials.checksum import without_panics
 from surmount.trials.columns import Columns
 from surmount.trials.frame_columns import open_frame
 from surmount.trials.log_folder import open_path
@@ -60,8 +61,9 @@ def read_trials(
         If a Minari data set is to be read and the extra ``minari`` is not installed.
     """
     wanted = columns or Columns()
-    source = open_path(Path(path), wanted)
-    return _read(source, wanted, minimum_variants, minimum_samples)
+    with without_panics():
+        source = open_path(Path(path), wanted)
+        return _read(source, wanted, minimum_variants, minimum_samples)
 
 
 def trials_from_table(

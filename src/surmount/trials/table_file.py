@@ -13,6 +13,7 @@ import numpy as np
 import polars as pl
 
 from surmount.core.errors import InputError
+from surmount.trials.checksum import PLACE, check, stamp
 from surmount.trials.csv_file import CSV_ENDINGS, open_csv
 from surmount.trials.source import POLARS_ERRORS, Source
 
@@ -39,7 +40,8 @@ def open_file(path: Path) -> Source:
     Raises
     ------
     InputError
-        If the file is missing, unreadable, of another kind or version.
+        If the file is missing, unreadable, of another kind or version, or was changed after
+        Surmount wrote it.
     """
     if path.exists() and not path.is_file():  # a pipe or a device would never end
         raise InputError(f"{path} is not a file.", remedy="Give the path of a table.")
@@ -55,6 +57,7 @@ def open_file(path: Path) -> Source:
     if kind in CSV_ENDINGS:
         return open_csv(path)
     if kind == ".parquet":
+        check(path)
         axes = _axes_said(path)
         return Source(name=str(path), frame=pl.scan_parquet(path), axes=axes)
     return Source(name=str(path), frame=pl.scan_ipc(path))
@@ -101,7 +104,8 @@ def write_columns(
     try:
         if kind == ".parquet":
             said = {_AXES_KEY: json.dumps(dict(axes))} if axes else {}
-            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **said})
+            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **PLACE, **said})
+            stamp(temporary)
         else:
             flags = pl.selectors.boolean().cast(pl.Int8)
             frame.with_columns(flags).write_csv(temporary)

@@ -141,12 +141,14 @@ class Trials:
 
     def column(self, feature: str) -> FloatArray:
         """Return one feature at every step, shape ``(sample,)``."""
-        if feature not in self.feature_names:
+        try:
+            index = self.feature_names.index(feature)
+        except ValueError:
             raise InputError(
                 f"Trials have no feature `{feature}`.",
                 remedy=f"Choose among {', '.join(self.feature_names)}.",
-            )
-        return self.features[:, self.feature_names.index(feature)]
+            ) from None
+        return self.features[:, index]
 
     def select(self, mask: BoolArray) -> Trials:
         """Return the trials where ``mask``, of shape ``(trial,)``, is true."""

@@ -20,6 +20,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from surmount.core.printing import escaped
 from surmount.workflow.executor import StageEvent
 from surmount.workflow.monitor import Progress as StageProgress
 from surmount.workflow.store import Artefact, output_errors
@@ -140,9 +141,10 @@ class RunDisplay:
                 parts.append(f"{max(0, planned - progress.done) / rate:,.0f} s left")
             parts.append(values)
             line = f"{stage}: {', '.join(part for part in parts if part)}"
-            self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+            self._console.print(escaped(line), highlight=False, markup=False, soft_wrap=True)
 
     def _say(self, stage: str, sentence: str, *, quietly: bool = False) -> None:
+        sentence = escaped(sentence)
         moment = datetime.now(UTC).isoformat(timespec="seconds")
         self._log.write(f"{moment} {stage}: {sentence}\n")
         self._log.flush()

@@ -7,6 +7,7 @@ import plotly.graph_objects as go
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
+from surmount.analysis.cut import may_divide
 from surmount.analysis.result import Analysis
 from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
 from surmount.report.document.text import number, percent, short, variant_label
@@ -77,7 +78,9 @@ def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
         ),
         f"{rule}.",
     ]
-    if not drawn.cut.any():
+    if len(analysis.groups) == 1 and not may_divide(cut):
+        sentences.append("So few variants cannot be cut: they form one group.")
+    elif not drawn.cut.any():
         sentences.append("No link is abrupt enough to divide: all variants form one group.")
     if analysis.merges:
         small = [

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as StillFigure
 
+from surmount.core.names import text_cell
 from surmount.core.records import write_atomically
 from surmount.report.document.parts import Columns
 from surmount.report.figures.palette import GRID, INK
@@ -101,10 +102,6 @@ def write_still(folder: Path, name: str, files: StillFiles, data: Columns) -> No
     write_atomically(folder / f"{name}.csv", csv_text(data).encode())
 
 
-FORMULA_MARKS = ("=", "+", "-", "@", "\t", "\r")
-"""A text that begins so is a formula to spreadsheets, and may run a program."""
-
-
 def csv_text(columns: Columns) -> str:
     """Return data as CSV; an undefined value is an empty cell, and no text is a formula."""
     text = io.StringIO()
@@ -121,6 +118,6 @@ def _cell(value: object) -> object:
         return _cell(value.item())
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, str) and value.startswith(FORMULA_MARKS):
-        return f"'{value}"
+    if isinstance(value, str):
+        return text_cell(value)
     return repr(value) if isinstance(value, float) else value

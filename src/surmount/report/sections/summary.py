@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from surmount.analysis.cut import may_divide
 from surmount.analysis.result import Analysis
 from surmount.report.document.parts import Notice
 from surmount.report.document.text import (
@@ -117,6 +118,11 @@ def grouping_sentence(analysis: Analysis) -> str:
         f"{percent(group.success_rate)} success in the logged trials)"
         for group in groups
     ]
+    if len(groups) == 1 and not may_divide(analysis.cut):
+        return (
+            f"{variants} are too few for a cut by the rule `{analysis.cut.method}`: they form one "
+            f"group, {parts[0]}."
+        )
     if len(groups) == 1:
         return (
             f"The robot's behaviour on {variants} showed no abrupt change: they form one group, "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
@@ -12,6 +13,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import SurmountError
+from surmount.core.printing import say
 from surmount.core.seeds import derive_seed
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import Obstacle, find_obstacle
@@ -249,7 +251,7 @@ def _choose(pool: Sequence[Manoeuvre], examiner: Examiner, size_mm: float) -> di
 
 def _say(sentence: str) -> None:
     """Print at once: workers' output would otherwise wait for their end."""
-    print(sentence, flush=True)
+    say(sentence, file=sys.stdout)
 
 
 def build_libraries(
