@@ -109,7 +109,10 @@ def test_several_parameters_sample_cells():
     trials = trials_of(x.reshape(-1, 2), 12, 3)
     grid = np.stack([np.repeat([0.0, 1.0, 2.0, 5.0, 6.0, 7.0], 2), np.tile([0.5, 1.0], 6)], axis=1)
     wide = dataclasses.replace(
-        trials, parameters=("height_mm", "friction"), variant=np.repeat(grid, 3, axis=0)
+        trials,
+        parameters=("height_mm", "friction"),
+        axes=(),
+        variant=np.repeat(grid, 3, axis=0),
     )
     analysis = sound(determine_curriculum(wide, QUICK))
     assert analysis.labels.tolist() == [0] * 6 + [1] * 6

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import html
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ from synthetic_trials import SyntheticFamily
 
 from surmount import Analysis, AnalysisConfig, determine_curriculum
 from surmount.analysis.explanation import explain_analysis
+from surmount.analysis.trust import describe_trust
 from surmount.core.errors import InputError, SurmountError
 
 FAMILY = SyntheticFamily(sizes=(3, 3), behaviours=(0, 1), separation=9.0, trials=6, steps=30)
@@ -72,3 +75,27 @@ def test_any_damage_is_refused_or_still_explains_itself(path, value, drop):
     else:
         remedy = explain_analysis(loaded)
     assert remedy
+
+
+def test_an_analysis_is_shown_by_its_groups_levels_and_verdict():
+    analysis = Analysis.from_record(RECORD)
+    shown = repr(analysis)
+    assert len(shown) < 1000
+    assert shown.startswith("Analysis: 6 variants tried by 2 networks")
+    verdict = describe_trust(analysis)[0]
+    for said in (shown, analysis._repr_html_()):
+        assert all(group.name in said for group in analysis.groups)
+    assert shown.splitlines()[-1] == verdict
+    assert html.escape(verdict) in analysis._repr_html_()
+
+
+def test_names_in_a_notebook_are_text_and_no_markup():
+    group = replace(Analysis.from_record(RECORD).groups[0], name="<b>")
+    curriculum = Analysis.from_record(RECORD).curriculum
+    renamed = replace(
+        curriculum,
+        groups=(group, *curriculum.groups[1:]),
+        levels=(),
+    )
+    analysis = replace(Analysis.from_record(RECORD), curriculum=renamed)
+    assert "<td>&lt;b&gt;</td>" in analysis._repr_html_()

@@ -36,7 +36,7 @@ def test_an_environment_of_ones_own_is_shown_too(capsys):
     said = tasks(capsys, "own_point:make_env")
     assert "  distance_m: 0.5 to 2 m; " in said
     assert "  wind: 0 to 2; " in said
-    assert "no settings of its own" in said
+    assert "env.logarithmic = []" in said
 
 
 def test_a_task_that_cannot_be_made_does_not_hide_the_others(capsys, monkeypatch):

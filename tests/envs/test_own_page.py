@@ -37,7 +37,8 @@ def test_the_example_runs_and_keeps_the_contract(page):
 
 
 def test_its_package_registers_its_tasks(page, monkeypatch):
-    (block,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.DOTALL)
+    blocks = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.DOTALL)
+    (block,) = [block for block in blocks if "entry-points" in block]
     ((group, registered),) = tomllib.loads(block)["project"]["entry-points"].items()
     entries = [EntryPoint(name, value, group) for name, value in registered.items()]
     monkeypatch.setattr(registry, "entry_points", lambda *, group: [

@@ -317,6 +317,7 @@ def test_trials_of_any_task_have_figures(tmp_path, features):
     trials = dataclasses.replace(
         generated,
         parameters=("height_mm", "$friction$"),
+        axes=(),
         variant=np.stack([100 + 100 * (size >= 140), size % 40 / 100], axis=1),
         feature_names=generated.feature_names[:features],
         features=generated.features[:, :features],

@@ -12,7 +12,7 @@ import pytest
 from run_builder import RunBuilder
 from trainings import TEST, training
 
-from surmount.core.records import read_record
+from surmount.core.records import read_record, sealed, write_record
 from surmount.learn.training_episodes import TrainingEpisodes
 from surmount.report.document.parts import Notice, Paragraph, Table
 from surmount.report.figures.learning import learning_curves
@@ -123,4 +123,4 @@ def _reseal(manifest, path) -> None:
     record = json.loads(manifest.read_text(encoding="utf-8"))
     assert path.name in record["files"]
     record["files"][path.name] = hashlib.sha256(path.read_bytes()).hexdigest()
-    manifest.write_text(json.dumps(record), encoding="utf-8")
+    write_record(manifest, sealed(record))

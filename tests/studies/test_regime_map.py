@@ -46,7 +46,7 @@ def test_a_map_runs_both_arms_in_every_cell_and_names_regimes_by_its_rule(tmp_pa
         assert (out / f"regimes.{suffix}").stat().st_size > 1000
     capsys.readouterr()
     assert run(command) == 0
-    assert capsys.readouterr().out.count("kept from an earlier call") == 2 * (6 + 2)
+    assert capsys.readouterr().out.count("kept from an earlier call") == 2 * (6 + 3)
 
 
 def test_a_stage_has_the_same_seed_in_every_cell_and_takes_its_own_cells_artefacts(tmp_path):

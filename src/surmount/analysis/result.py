@@ -30,7 +30,7 @@ from surmount.tasks.curriculum import Curriculum, Group
 _SHOWN_NAMES = 12
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Analysis:
     """Everything from trials to curriculum, in the order of the method.
 
@@ -126,6 +126,18 @@ class Analysis:
     suspects: tuple[Suspect, ...]
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """Return groups, levels and the verdict in a few lines; all numbers are in the fields."""
+        from surmount.analysis.showing import text_of  # noqa: PLC0415 - which needs this class
+
+        return text_of(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same for a notebook."""
+        from surmount.analysis.showing import html_of  # noqa: PLC0415 - which needs this class
+
+        return html_of(self)
 
     @property
     def groups(self) -> tuple[Group, ...]:

@@ -35,8 +35,8 @@ def analysis_warnings(analysis: Analysis, *, outliers: Mapping[str, float]) -> A
     """
     found = [
         *_about_data(analysis),
-        *_about_features(analysis),
         *_about_outliers(analysis, outliers),
+        *_about_features(analysis),
         *_about_fits(analysis),
         *_about_groups(analysis),
         *_about_order(analysis),
@@ -66,6 +66,20 @@ def _about_data(analysis: Analysis) -> list[str]:
     return found
 
 
+def _about_outliers(analysis: Analysis, outliers: Mapping[str, float]) -> list[str]:
+    used = {name: value for name, value in outliers.items() if name in analysis.features.logged}
+    if not used:
+        return []
+    shown = ", ".join(f"`{name}` (one is {value:g})" for name, value in [*used.items()][:_SHOWN])
+    more = f" and {len(used) - _SHOWN} more features" if len(used) > _SHOWN else ""
+    warning = (
+        f"One value is farther from the mean than all others together in {shown}{more}: beside it, "
+        "the others hardly differ, and the feature says next to nothing. Drop that trial, or leave "
+        "the feature out with `features`."
+    )
+    return [warning]
+
+
 _SUSPECTED = {
     "clock": "rises over the whole table from trial to trial, as a clock or a counter does",
     "task": "has a single value on each variant, as the task itself has",
@@ -93,20 +107,6 @@ def _about_features(analysis: Analysis) -> list[str]:
 
 def _groups(count: int) -> str:
     return "one group" if count == 1 else f"{count} groups"
-
-
-def _about_outliers(analysis: Analysis, outliers: Mapping[str, float]) -> list[str]:
-    used = {name: value for name, value in outliers.items() if name in analysis.features.logged}
-    if not used:
-        return []
-    shown = ", ".join(f"`{name}` (one is {value:g})" for name, value in [*used.items()][:_SHOWN])
-    more = f" and {len(used) - _SHOWN} more features" if len(used) > _SHOWN else ""
-    warning = (
-        f"One value is farther from the mean than all others together in {shown}{more}: beside it, "
-        "the others hardly differ, and the feature says next to nothing. Drop that trial, or leave "
-        "the feature out with `features`."
-    )
-    return [warning]
 
 
 def _about_fits(analysis: Analysis) -> list[str]:

@@ -12,6 +12,8 @@ from surmount.cli.options import Assignments, ConfigFile, overrides
 from surmount.cli.part_progress import PartProgress
 from surmount.core.printing import say
 
+EXAMPLE = Path("example")
+
 
 def analyze(
     trials: Annotated[Path, tyro.conf.Positional],
@@ -28,12 +30,17 @@ def analyze(
 
     Args:
         trials: Table with one row per time step, in CSV, Parquet or Arrow: variant, network,
-            trial, success, then one column per feature; or a folder of tables.
+            trial, success, then one column per feature; or a folder of tables; or the word example,
+            for 720 trials of a robot before steps that come with Surmount.
         out: Folder for the results.
         columns: Which column holds what.
         config: TOML or JSON file of analysis options to change, such as linkage = "complete".
         set: Analysis option to change, as key=value; may be repeated; overrides the file.
     """
+    if trials == EXAMPLE and not trials.exists():
+        from surmount.trials.example import example_path
+
+        trials = example_path()
     with PartProgress() as progress:
         progress(f"reading {trials}")  # before what takes long to import
         analysis, page = _analysed(trials, out, columns, overrides(config, set), progress)

@@ -59,6 +59,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "manoeuvres": "find a scripted manoeuvre for every variant",
         "initiations": "success after the initiation under many settings",
         "regimes": "where a curriculum helps, over a grid of two settings",
+        "teachers": "which teacher helps on which kind of task, by a plan",
     },
     "this command": {
         "completion": "a script that lets a shell complete verbs and flags",

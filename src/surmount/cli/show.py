@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -11,7 +11,13 @@ from surmount.core.errors import InputError
 from surmount.core.printing import say
 from surmount.workflow.opening import opened
 from surmount.workflow.run_folder import open_run
-from surmount.workflow.run_layout import ANALYSIS, ANALYSIS_FILE, CURRICULUM_FILE, RUN
+from surmount.workflow.run_layout import (
+    ANALYSIS,
+    ANALYSIS_FILE,
+    CURRICULUM_FILE,
+    RUN,
+    TRAINING_FILE,
+)
 
 
 def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> int:
@@ -19,8 +25,9 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
 
     Args:
         file: A curriculum.json or analysis.json, or a folder with one: of `surmount analyze`, or
-            of a run.
-        why: Walk the evidence as well: BIC curve, links of the dendrogram, merges, stability.
+            of a run; or the training.json of one training, which tells what its teacher did.
+        why: Walk the evidence as well: BIC curve, links of the dendrogram, merges, stability; of a
+            run also what teachers practised when, and why.
     """
     from surmount.analysis.description import describe_curriculum
     from surmount.analysis.explanation import explain_analysis
@@ -32,10 +39,13 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
 
     path = opened(_resolve(file, why=why))
     record = read_record(path)
+    if "level_tests" in record:
+        say("\n".join(_reasons_of_training(path, record)))
+        return 0
     if record.get("kind") == KIND:
         analysis = Analysis.from_record(record, source=str(path))
         if why:
-            lines = explain_analysis(analysis)
+            lines = [*explain_analysis(analysis), *_changes_in_run(file)]
         else:
             trust = [f"  {sentence}" for sentence in describe_trust(analysis)]
             lines = [*describe_curriculum(analysis.curriculum), "", "How far to trust it", *trust]
@@ -48,6 +58,32 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
         lines = describe_curriculum(Curriculum.load(path))
     say("\n".join(lines))
     return 0
+
+
+def _reasons_of_training(path: Path, record: dict[str, Any]) -> list[str]:
+    """Return what the teacher of one training decided, in its own words."""
+    from surmount.teachers.changes import describe_changes
+
+    told = [*record["level_tests"], *record.get("changes", ())]
+    if not told:
+        return [f"{path}: its teacher made no decisions; it trained {record['steps']:,} steps."]
+    return describe_changes(f"What its teacher did in {record['steps']:,} steps", told)
+
+
+def _changes_in_run(folder: Path) -> list[str]:
+    """Return the changes of all teachers of a run that tell of them."""
+    from surmount.core.records import read_record
+    from surmount.teachers.changes import describe_changes
+
+    if not (folder / RUN).is_file():
+        return []
+    lines: list[str] = []
+    for name, stage in open_run(folder).stages.items():
+        file = stage.folder / TRAINING_FILE
+        changes = read_record(file).get("changes", ()) if file.is_file() else ()
+        if changes:
+            lines += ["", *describe_changes(f"What was practised in {name}, and why", changes)]
+    return lines
 
 
 def _resolve(path: Path, *, why: bool) -> Path:

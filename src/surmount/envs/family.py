@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from surmount.core.arrays import FloatArray, IntArray
 from surmount.envs.vector_env import TaskVectorEnv
+from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.space import TaskSpace
 
 USUAL_INITIAL_STEPS = 500_000
@@ -46,6 +48,43 @@ class TaskFamily(ABC):
     @abstractmethod
     def space(self, settings: Any) -> TaskSpace:
         """Return the task parameters, their ranges, the variants and what makes them harder."""
+
+    def target(self, settings: Any) -> TaskDistribution | None:
+        """Return the tasks that are wanted in the end; ``None`` for the whole range.
+
+        Only teachers that move towards a target use it.
+        """
+        del settings
+        return None
+
+    def difficulty(self, variants: FloatArray) -> FloatArray | None:
+        """Return how hard variants are known to be, ``(variant,)``, larger is harder.
+
+        Only an oracle uses it, and only where the parameters do not tell.
+
+        Parameters
+        ----------
+        variants
+            Shape ``(variant, parameter)``.
+        """
+        del variants
+        return None
+
+    def right_groups(self, variants: FloatArray) -> tuple[tuple[str, ...], IntArray] | None:
+        """Return what is known of the right grouping; ``None`` where nothing is.
+
+        Parameters
+        ----------
+        variants
+            Shape ``(variant, parameter)``.
+
+        Returns
+        -------
+        tuple
+            Names of the groups, and the group of each variant, ``(variant,)``.
+        """
+        del variants
+        return None
 
     @abstractmethod
     def fingerprint(self, settings: Any) -> str:

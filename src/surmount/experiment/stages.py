@@ -155,6 +155,7 @@ def learn_by_teacher(context: StageContext) -> None:
         total_steps=steps,
         seed=context.seed,
         environments=int(config["learner"]["num_envs"]),
+        target=family.target(settings),
         analysis=from_record(AnalysisConfig, config["analysis"]),
         advancement=from_record(AdvancementConfig, config["advancement"]),
         teachers=from_record(TeachersConfig, config["teaching"]),
@@ -234,6 +235,8 @@ def write_training(context: StageContext, training: Training) -> None:
         "diverged_episodes": int(history.episodes.diverged.sum()),
         "level_tests": [asdict(test) for test in training.tests],
     }
+    if training.changes:
+        record["changes"] = [change.to_record() for change in training.changes]
     if training.faults.occurred:
         record["faults"] = training.faults.to_record()
     write_record(context.output / TRAINING_FILE, record)

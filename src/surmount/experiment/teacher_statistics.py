@@ -8,7 +8,7 @@ import numpy as np
 
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.records import write_record
+from surmount.core.records import read_record, write_record
 from surmount.experiment.learning_speed import WINDOW, steps_to_95
 from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
@@ -24,7 +24,7 @@ from surmount.tasks.cells import TaskCells
 from surmount.tasks.curriculum import Curriculum
 from surmount.teachers.catalogue import find_teacher
 from surmount.workflow.graph import StageContext
-from surmount.workflow.run_layout import ANALYSIS_FILE, COMPARISON_FILE, SCHEMA
+from surmount.workflow.run_layout import ANALYSIS_FILE, COMPARISON_FILE, SCHEMA, TRAINING_FILE
 from surmount.workflow.store import Artefact
 
 REFERENCES = ("paper", "uniform")
@@ -112,9 +112,17 @@ def _training(artefacts: tuple[Artefact, ...], curriculum: Curriculum, cells: Ta
         counts += _sampled(training, cells)
     return {
         "steps": [training.budget for training in trainings],
+        **_changes(artefacts),
         "sampled": counts.tolist(),
         "steps_to_95": [found.to_record() for found in steps_to_95(trainings, curriculum)],
     }
+
+
+def _changes(artefacts: tuple[Artefact, ...]) -> Record:
+    """Return each network's changes of a teacher that tells of them; nothing of the others."""
+    records = [read_record(one.path(TRAINING_FILE)) for one in artefacts]
+    changes = [record.get("changes", []) for record in records]
+    return {"changes": changes} if any(changes) else {}
 
 
 def _sampled(training: TrainingEpisodes, cells: TaskCells) -> FloatArray:

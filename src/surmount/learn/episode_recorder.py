@@ -11,7 +11,7 @@ from surmount.core.arrays import FloatArray
 from surmount.learn.value_errors import EpisodeErrors
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 
-_TYPES: dict[str, Any] = {
+COLUMNS: dict[str, Any] = {
     "step": np.int64,
     "variant": np.float64,
     "reward": np.float64,
@@ -19,7 +19,7 @@ _TYPES: dict[str, Any] = {
     "success": np.bool_,
     "diverged": np.bool_,
 }
-"""Of the columns of :class:`surmount.teachers.teacher.Episodes`."""
+"""Columns of :class:`surmount.teachers.teacher.Episodes` that are always there, and their types."""
 
 
 class EpisodeRecorder:
@@ -65,7 +65,15 @@ class EpisodeRecorder:
         self._reward += rewards
         self._length += 1
 
-    def end(self, env: int, *, variant: Any, success: bool, diverged: bool) -> dict[str, Any]:
+    def end(
+        self,
+        env: int,
+        *,
+        variant: Any,
+        success: bool,
+        diverged: bool,
+        covered: float | None = None,
+    ) -> dict[str, Any]:
         """End an episode with the step last added, and return it as a row of `Episodes`.
 
         Parameters
@@ -76,6 +84,8 @@ class EpisodeRecorder:
             Its task in the parameters' units, ``(parameter,)``.
         success, diverged
             Whether it reached its goal, and whether the physics diverged.
+        covered
+            Share of the way to its goal that it covered, where the environment tells.
         """
         episode = {
             "step": self.steps,
@@ -84,6 +94,7 @@ class EpisodeRecorder:
             "length": int(self._length[env]),
             "success": success,
             "diverged": diverged,
+            "covered": covered,
         }
         self._ends.append((len(self._rewards) - 1, env))
         self._episodes.append(episode)
@@ -133,7 +144,10 @@ class EpisodeRecorder:
 def episodes_of(rows: Sequence[Mapping[str, Any]], parameters: int) -> Episodes:
     """Return the columns of episodes over so many task parameters."""
     columns: dict[str, Any] = {
-        name: np.array([row[name] for row in rows], kind) for name, kind in _TYPES.items()
+        name: np.array([row[name] for row in rows], kind) for name, kind in COLUMNS.items()
     }
     columns["variant"] = columns["variant"].reshape(len(rows), parameters)
+    covered = [row.get("covered") for row in rows]
+    if rows and None not in covered:
+        columns["covered"] = np.array(covered, dtype=np.float64)
     return Episodes(**columns)

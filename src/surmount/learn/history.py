@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.learn.episode_recorder import episodes_of
+from surmount.learn.episode_recorder import COLUMNS, episodes_of
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 
 
@@ -26,7 +26,7 @@ class History:
     label
         The teacher's status after each roll-out.
     episodes
-        All episodes that ended.
+        All episodes that ended, without the share of the way that they covered.
     """
 
     def __init__(self, *, parameters: Sequence[str]) -> None:
@@ -46,8 +46,10 @@ class History:
         self.label.append(label)
         self.episodes = Episodes(
             **{
-                name: np.concatenate([values, getattr(outcome.episodes, name)])
-                for name, values in vars(self.episodes).items()
+                name: np.concatenate(
+                    [getattr(self.episodes, name), getattr(outcome.episodes, name)]
+                )
+                for name in COLUMNS
             }
         )
 
@@ -65,7 +67,7 @@ class History:
             "reward": self.reward,
             "success": self.success,
             "label": list(self.label),
-            "episodes": dict(vars(self.episodes)),
+            "episodes": {name: getattr(self.episodes, name) for name in COLUMNS},
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:

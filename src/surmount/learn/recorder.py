@@ -112,6 +112,7 @@ class Recorder(VecEnv):
             variant=final["variant"][index],
             success=bool(final["is_success"][index]),
             diverged=bool(final["diverged"][index]),
+            covered=float(final["covered"][index]) if "covered" in final else None,
         )
         return {
             "terminal_observation": infos["final_obs"][index],

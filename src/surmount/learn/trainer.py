@@ -24,6 +24,7 @@ from surmount.learn.ppo import ResumablePPO
 from surmount.learn.recorder import Recorder
 from surmount.learn.snapshot import Snapshot, Tensors
 from surmount.tasks.regions import Regions
+from surmount.teachers.changes import Change, changes_of
 from surmount.teachers.teacher import LevelTest, RolloutOutcome, Teacher
 from surmount.workflow.monitor import Interrupted, Monitor, Progress
 
@@ -42,12 +43,15 @@ class Training:
         Level tests made on the way.
     faults
         What went wrong with numbers and was stopped.
+    changes
+        What the teacher changed, and why.
     """
 
     network: Snapshot
     history: History
     tests: tuple[LevelTest, ...]
     faults: Faults
+    changes: tuple[Change, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,7 +154,10 @@ class Trainer:
             self._learn_one_rollout(monitor, checkpointing)
             outcome = self._recorder.collect(self._model.rollout_buffer.advantages)
             self._require_some_physics(outcome)
+            told = len(changes_of(self._teacher))
             test = self._teacher.update_on_rollout(outcome)
+            for change in changes_of(self._teacher)[told:]:
+                monitor.log(change.sentence)
             self._history.add(outcome, label=self._teacher.status().label)
             self._report(monitor, outcome, test)
             self._push_distribution()
@@ -164,6 +171,7 @@ class Trainer:
             history=self._history,
             tests=tuple(self._tests),
             faults=self._faults,
+            changes=changes_of(self._teacher),
         )
 
     def _learn_one_rollout(self, monitor: Monitor, checkpointing: Checkpointing | None) -> None:

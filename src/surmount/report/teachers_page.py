@@ -34,6 +34,7 @@ from surmount.report.document.text import (
 from surmount.report.figures.palette import INK, SEQUENTIAL
 from surmount.report.figures.plots import compact, plain, plot
 from surmount.report.figures.stills import axes_grid
+from surmount.report.teacher_changes import changes_section
 from surmount.report.writing import write_document
 
 NAME = "teachers"
@@ -95,6 +96,7 @@ def document_of_teachers(record: Record) -> Document:
         _duel_table(record),
         _speed_table(record),
     )
+    changes = changes_section(teachers)
     return Document(
         title="Teachers compared",
         subtitle="The paper's curriculum beside other ways of choosing tasks, at equal budgets",
@@ -108,6 +110,7 @@ def document_of_teachers(record: Record) -> Document:
         sections=(
             Section(anchor="scores", title="Success", blocks=blocks),
             Section(anchor="sampled", title="What each sampled", blocks=(_sampled_figure(record),)),
+            *(() if changes is None else (changes,)),
             Section(anchor="settings", title="Settings", blocks=(_settings_table(record),)),
         ),
     )

@@ -35,12 +35,15 @@ class AdaptiveTeacher(BudgetTeacher):
             label=label, total_steps=total_steps, name=label, tasks=tasks, draws=Draws(seed)
         )
         self._seed = seed
+        self._ends_at = 0
+        """Learning steps at the end of the episode that :meth:`take` is told of."""
 
     def take_steps(
         self, rewards: FloatArray, ends: IntArray, episodes: Sequence[EndedEpisode]
     ) -> None:
         """Take the episodes in the order in which they ended, and count the steps."""
-        for episode in episodes:
+        for end, episode in zip(ends, episodes, strict=True):
+            self._ends_at = self._steps + int(end)
             self.take(episode)
         self._steps += rewards.size
 

@@ -21,6 +21,9 @@ from surmount.teachers.points import points_within
 from surmount.teachers.shares import require_shares
 
 _FIT = AnalysisConfig(restarts=2, max_iterations=50)
+_EPISODES_BEFORE_PROGRESS = 5
+"""Episodes that are remembered with no progress, before nearest ones mean anything (the authors'
+code has more than 5 too)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +59,11 @@ class AlpGmmTeacher(AdaptiveTeacher):
     After R. Portelas, C. Colas, K. Hofmann and P.-Y. Oudeyer, "Teacher algorithms for curriculum
     learning of deep RL in continuously parameterized environments" (CoRL 2019). The absolute
     learning progress of an episode is the difference between its return and that of the episode
-    nearest in task space among all before it. Every N episodes, mixtures of 2 to ``max_components``
-    Gaussians are fitted to the pairs of task and progress of the newest N, and the one with the
-    lowest AIC is kept; a Gaussian is drawn in proportion to its mean progress, and a task from
-    its marginal. Tasks outside the range are drawn again.
+    nearest in task space among all before it; the first six have none. Every N episodes, mixtures
+    of 2 to ``max_components`` Gaussians are fitted to the pairs of task and progress of the newest
+    N, and the one with the lowest AIC is kept; a Gaussian is drawn in proportion to its mean
+    progress, and a task from its marginal. Tasks outside the range are drawn again (the authors'
+    code moves them to its edge).
 
     Parameters
     ----------
@@ -117,7 +121,7 @@ class AlpGmmTeacher(AdaptiveTeacher):
     def take(self, episode: EndedEpisode) -> None:
         """Compute the episode's progress, and fit anew every N episodes."""
         place = (episode.task - self._low) / self._extent
-        if self._returns:
+        if len(self._returns) > _EPISODES_BEFORE_PROGRESS:
             distance = np.square(self._tasks - place).sum(axis=1)
             before = self._returns[int(distance.argmin())]
             self._progress.append(abs(episode.episode_return - before))

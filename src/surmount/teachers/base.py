@@ -22,7 +22,7 @@ class EndedEpisode:
 
     Attributes
     ----------
-    episode_return, length, task, progress, env_id, value_error
+    episode_return, length, task, progress, env_id, value_error, covered
         As the arguments of :meth:`surmount.teachers.teacher.Teacher.update_on_episode`.
     """
 
@@ -32,6 +32,7 @@ class EndedEpisode:
     progress: float
     env_id: int | None
     value_error: float | None
+    covered: float | None = None
 
 
 class BaseTeacher(ABC):
@@ -98,6 +99,7 @@ class BaseTeacher(ABC):
         env_id: int | None = None,
         *,
         value_error: float | None = None,
+        covered: float | None = None,
     ) -> None:
         """Take one episode that ended; see :class:`surmount.teachers.teacher.Teacher`."""
         episode = EndedEpisode(
@@ -107,6 +109,7 @@ class BaseTeacher(ABC):
             progress=float(progress),
             env_id=env_id,
             value_error=None if value_error is None else float(value_error),
+            covered=None if covered is None else float(covered),
         )
         rewards = np.full(episode.length, episode.episode_return / max(episode.length, 1))
         self.take_steps(rewards, np.array([episode.length]), [episode])
@@ -122,6 +125,7 @@ class BaseTeacher(ABC):
                 progress=float(ended.success[index]),
                 env_id=None,
                 value_error=None if errors is None else float(errors[index]),
+                covered=None if ended.covered is None else float(ended.covered[index]),
             )
             for index in range(ended.step.size)
         ]

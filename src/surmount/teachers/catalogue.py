@@ -18,12 +18,18 @@ from surmount.teachers import ablations
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
 from surmount.teachers.budget import BudgetedLevels
+from surmount.teachers.cell_groups import CellGroups
+from surmount.teachers.currot import CurrotConfig, CurrotTeacher
+from surmount.teachers.frontier import FrontierTeacher
+from surmount.teachers.frontier_config import FrontierConfig
 from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.learning_progress import LearningProgressConfig, LearningProgressTeacher
 from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.mastery import MasteryConfig, MasteryTeacher
 from surmount.teachers.promotion import PromotionTeacher
 from surmount.teachers.replay import ReplayConfig, ReplayTeacher
 from surmount.teachers.self_paced import SelfPacedConfig, SelfPacedTeacher
+from surmount.teachers.success_guided import SuccessGuidedConfig, SuccessGuidedTeacher
 from surmount.teachers.teacher import Teacher
 from surmount.teachers.uniform import UniformTeacher
 
@@ -46,6 +52,18 @@ class TeachersConfig:
 
     spdl: SelfPacedConfig = field(default_factory=SelfPacedConfig)
     """Self-paced learning."""
+
+    mastery: MasteryConfig = field(default_factory=MasteryConfig)
+    """Mastery-gated levels."""
+
+    frontier: FrontierConfig = field(default_factory=FrontierConfig)
+    """The frontier, of groups by behaviour, of single cells and of groups by parameters."""
+
+    currot: CurrotConfig = field(default_factory=CurrotConfig)
+    """CURROT."""
+
+    sgs: SuccessGuidedConfig = field(default_factory=SuccessGuidedConfig)
+    """Success-guided sampling."""
 
 
 class Budget(TypedDict):
@@ -76,6 +94,8 @@ class TeacherContext:
         Of everything random in the teacher.
     environments
         Number of environments that learn at once.
+    target
+        Tasks that are wanted in the end; the whole range if ``None``.
     analysis, advancement, teachers
         Settings.
     """
@@ -88,6 +108,7 @@ class TeacherContext:
     total_steps: int
     seed: int
     environments: int
+    target: TaskDistribution | None = None
     analysis: AnalysisConfig = field(default_factory=AnalysisConfig)
     advancement: AdvancementConfig = field(default_factory=AdvancementConfig)
     teachers: TeachersConfig = field(default_factory=TeachersConfig)
@@ -100,7 +121,7 @@ class TeacherContext:
     @property
     def cells(self) -> TaskCells:
         """One cell per variant."""
-        return TaskCells(self.curriculum.parameters, self.variants)
+        return TaskCells(self.curriculum.parameters, self.variants, self.curriculum.axes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,11 +136,15 @@ class Entry:
         Where it is from.
     make
         Makes it.
+    by_trials
+        Whether it needs groups, and so the trials that these are determined from: in a comparison
+        at equal costs it pays for them.
     """
 
     title: str
     source: str
     make: Callable[[TeacherContext], Teacher]
+    by_trials: bool = False
 
 
 def make_teacher(name: str, context: TeacherContext) -> Teacher:
@@ -139,6 +164,12 @@ SETTINGS = {
     "learning-progress": "learning_progress",
     "learnability": "learnability",
     "spdl": "spdl",
+    "mastery": "mastery",
+    "frontier": "frontier",
+    "frontier-cells": "frontier",
+    "frontier-parameters": "frontier",
+    "sgs": "sgs",
+    "currot": "currot",
 }
 """Fields of :class:`TeachersConfig` by teacher; the others have no settings of their own."""
 
@@ -156,12 +187,16 @@ def find_teacher(name: str) -> Entry:
     return TEACHERS[name]
 
 
-def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
+def _require_levels(curriculum: Curriculum) -> None:
     if not curriculum.levels:
         raise ConfigError(
             "The curriculum has no levels: every group already succeeds.",
             remedy="Shorten the initiation, so that something is left to learn.",
         )
+
+
+def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
+    _require_levels(curriculum)
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
     inner = LevelTeacher(levels, context.advancement, seed=context.seed)
     return BudgetedLevels(inner, context.total_steps)
@@ -199,6 +234,30 @@ def _spdl(context: TeacherContext) -> Teacher:
     )
 
 
+def _mastery(context: TeacherContext) -> Teacher:
+    _require_levels(context.curriculum)
+    return MasteryTeacher(
+        context.curriculum, context.advancement, config=context.teachers.mastery, **context.budget
+    )
+
+
+def _frontier(groups: CellGroups, context: TeacherContext, label: str) -> Teacher:
+    config = context.teachers.frontier
+    return FrontierTeacher(groups, config=config, label=label, **context.budget)
+
+
+def _frontier_parameters(context: TeacherContext) -> Teacher:
+    made = ablations.by_parameter_distance(
+        context.curriculum, context.variants, context.success_rate, context.analysis
+    )
+    return _frontier(CellGroups.of(context.cells, made), context, "frontier by parameters")
+
+
+def _sgs(context: TeacherContext) -> Teacher:
+    groups = CellGroups.of(context.cells, context.curriculum)
+    return SuccessGuidedTeacher(groups, config=context.teachers.sgs, **context.budget)
+
+
 _PAPER = "Karni et al. 2024"
 
 TEACHERS = {
@@ -206,35 +265,48 @@ TEACHERS = {
         title="the paper's curriculum",
         source=_PAPER,
         make=lambda of: _levels(of.curriculum, of),
+        by_trials=True,
     ),
     "uniform": Entry(
         title="uniform",
         source=f"control of {_PAPER}",
         make=lambda of: UniformTeacher(of.whole_range, **of.budget),
     ),
-    "hardest": Entry(title="hardest group only", source="lower bound", make=_hardest),
+    "hardest": Entry(
+        title="hardest group only",
+        source="lower bound",
+        make=_hardest,
+        by_trials=True,
+    ),
     "easy-to-hard": Entry(
         title="easy to hard by the parameter",
         source="a designer's guess, with the paper's levels and test",
         make=_easy_to_hard,
+        by_trials=True,
     ),
     "random-order": Entry(
-        title="groups in random order", source=f"ablation of {_PAPER}", make=_random_order
+        title="groups in random order",
+        source=f"ablation of {_PAPER}",
+        make=_random_order,
+        by_trials=True,
     ),
     "equal-weights": Entry(
         title="equal weights in every level",
         source=f"ablation of {_PAPER}",
         make=lambda of: _levels(ablations.equally_weighted(of.curriculum), of),
+        by_trials=True,
     ),
     "parameter-distance": Entry(
         title="groups by distance of parameters",
         source=f"ablation of {_PAPER}",
         make=_parameter_distance,
+        by_trials=True,
     ),
     "stepwise": Entry(
         title="one group at a time",
         source=f"future work of {_PAPER}",
         make=lambda of: _levels(ablations.stepwise(of.curriculum), of),
+        by_trials=True,
     ),
     "promote-demote": Entry(
         title="promote and demote",
@@ -265,6 +337,42 @@ TEACHERS = {
         source="Jiang et al. 2021",
         make=lambda of: ReplayTeacher(of.cells, config=of.teachers.plr, **of.budget),
     ),
-    "spdl": Entry(title="self-paced", source="Klink et al. 2020, 2021", make=_spdl),
+    "spdl": Entry(
+        title="self-paced",
+        source="Klink et al. 2020, 2021",
+        make=_spdl,
+        by_trials=True,
+    ),
+    "mastery": Entry(
+        title="mastery-gated levels",
+        source=f"the levels of {_PAPER}, by success",
+        make=_mastery,
+        by_trials=True,
+    ),
+    "frontier": Entry(
+        title="frontier of the groups",
+        source="Surmount",
+        make=lambda of: _frontier(CellGroups.of(of.cells, of.curriculum), of, "frontier"),
+        by_trials=True,
+    ),
+    "frontier-cells": Entry(
+        title="frontier of single variants",
+        source="ablation of the frontier: nothing is pooled",
+        make=lambda of: _frontier(CellGroups.single(of.cells), of, "frontier of variants"),
+    ),
+    "frontier-parameters": Entry(
+        title="frontier of groups by distance of parameters",
+        source="ablation of the frontier: no behaviour",
+        make=_frontier_parameters,
+        by_trials=True,
+    ),
+    "sgs": Entry(title="success-guided sampling", source="arXiv:2610.12465", make=_sgs),
+    "currot": Entry(
+        title="CURROT",
+        source="Klink et al. 2022",
+        make=lambda of: CurrotTeacher(
+            of.whole_range, of.target or of.whole_range, config=of.teachers.currot, **of.budget
+        ),
+    ),
 }
 """By the name that the command line takes."""

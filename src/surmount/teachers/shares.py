@@ -21,8 +21,15 @@ def with_uniform_share(scores: FloatArray, share: float) -> FloatArray:
     return uniform if total <= 0 else share * uniform + (1.0 - share) * scores / total
 
 
-def require_shares(config: Any) -> None:
+def require_shares(config: Any, *names: str) -> None:
     """Refuse a configuration with a field of floating point outside (0, 1].
+
+    Parameters
+    ----------
+    config
+        The configuration.
+    *names
+        Fields to look at; all if there are none.
 
     Raises
     ------
@@ -31,7 +38,8 @@ def require_shares(config: Any) -> None:
     """
     for field in dataclasses.fields(config):
         value = getattr(config, field.name)
-        if isinstance(value, float) and not 0 < value <= 1:
+        looked_at = not names or field.name in names
+        if looked_at and isinstance(value, float) and not 0 < value <= 1:
             raise ConfigError(
                 f"`{field.name}` is {value}.", remedy="Give a value above 0 and at most 1."
             )

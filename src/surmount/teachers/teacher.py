@@ -41,6 +41,9 @@ class Episodes:
         Whether each reached its goal, ``(episode,)``.
     diverged
         Whether each was ended because the physics diverged, ``(episode,)``.
+    covered
+        Share of the way to its goal that each covered, from 0 to 1, ``(episode,)``; ``None`` from
+        environments that do not tell.
     """
 
     step: IntArray
@@ -49,6 +52,7 @@ class Episodes:
     length: IntArray
     success: BoolArray
     diverged: BoolArray
+    covered: FloatArray | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -185,6 +189,7 @@ class Teacher(Protocol):
         env_id: int | None = None,
         *,
         value_error: float | None = None,
+        covered: float | None = None,
     ) -> None:
         """Take one episode that ended, in a loop that knows no roll-outs.
 
@@ -206,6 +211,8 @@ class Teacher(Protocol):
             Which environment it was in; no teacher here depends on it.
         value_error
             As one entry of :attr:`RolloutOutcome.value_errors`.
+        covered
+            As one entry of :attr:`Episodes.covered`.
         """
         ...
 

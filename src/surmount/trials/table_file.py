@@ -40,8 +40,7 @@ def open_file(path: Path) -> Source:
     Raises
     ------
     InputError
-        If the file is missing, unreadable, of another kind or version, or was changed after
-        Surmount wrote it.
+        If the file is missing, unreadable, of another kind or version.
     """
     if path.exists() and not path.is_file():  # a pipe or a device would never end
         raise InputError(f"{path} is not a file.", remedy="Give the path of a table.")
@@ -57,7 +56,6 @@ def open_file(path: Path) -> Source:
     if kind in CSV_ENDINGS:
         return open_csv(path)
     if kind == ".parquet":
-        check(path)
         axes = _axes_said(path)
         return Source(name=str(path), frame=pl.scan_parquet(path), axes=axes)
     return Source(name=str(path), frame=pl.scan_ipc(path))
@@ -65,6 +63,7 @@ def open_file(path: Path) -> Source:
 
 def _axes_said(path: Path) -> Mapping[str, Any]:
     """Return what a Parquet file says of axes, if its version is one that is read here."""
+    check(path)
     try:
         metadata = pl.read_parquet_metadata(path)
         version = metadata.get(_SCHEMA_KEY, TABLE_SCHEMA)
@@ -104,7 +103,8 @@ def write_columns(
     try:
         if kind == ".parquet":
             said = {_AXES_KEY: json.dumps(dict(axes))} if axes else {}
-            frame.write_parquet(temporary, metadata={_SCHEMA_KEY: TABLE_SCHEMA, **PLACE, **said})
+            said |= {_SCHEMA_KEY: TABLE_SCHEMA, **PLACE}
+            frame.write_parquet(temporary, metadata=said)
             stamp(temporary)
         else:
             flags = pl.selectors.boolean().cast(pl.Int8)

@@ -6,6 +6,7 @@ from typing import Any
 
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.family import ObstacleFamily
+from surmount.rstar.shuffled import ShuffledFamily
 
 
 class PaperFamily(ObstacleFamily):
@@ -25,5 +26,8 @@ class PaperFamily(ObstacleFamily):
         return [] if section is None else [section]
 
 
-FAMILIES = {name: PaperFamily(obstacle) for name, obstacle in OBSTACLES.items()}
+FAMILIES: dict[str, ObstacleFamily] = {
+    **{name: PaperFamily(obstacle) for name, obstacle in OBSTACLES.items()},
+    "shuffled": ShuffledFamily(),
+}
 """What the entry point ``rstar`` registers, by the name of the obstacle."""

@@ -1,0 +1,73 @@
+"""``surmount teachers``: which teacher helps on which kind of task, by a written plan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from surmount.cli.main import INTERRUPTED
+from surmount.cli.workers import WorkerOptions, Workers
+
+RECORD = "comparison.json"
+
+
+def teachers(
+    plan: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="PLAN.toml")],
+    *,
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
+    headroom: bool = False,
+    tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME")] = (),
+    workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
+) -> int:
+    """Run a comparison of teachers, network by network, and say what can be said so far.
+
+    Writes comparison.json with every network's success, and the page. Calling it again goes on
+    where it stopped; more networks or teachers may be added to the plan meanwhile.
+
+    Args:
+        plan: TOML file with tasks, teachers, budgets and numbers of networks.
+        out: Folder for networks, trials and the page.
+        headroom: Run only uniform tasks and the oracle, on the pilot's networks.
+        tasks: Names of the tasks to run; all of the plan if left out.
+        workers: Where stages run.
+    """
+    from surmount.core.errors import ConfigError
+    from surmount.core.records import write_record
+    from surmount.studies.teachers.graph import comparison_stages
+    from surmount.studies.teachers.judging import judge
+    from surmount.studies.teachers.page import write_page
+    from surmount.studies.teachers.plan import read_plan
+    from surmount.studies.teachers.reading import answer
+    from surmount.workflow.console import SafeConsole
+    from surmount.workflow.progress import run_graph
+    from surmount.workflow.provenance import provenance
+    from surmount.workflow.store import output_errors, sole_user
+
+    workers.checked()
+    plans = read_plan(plan)
+    unknown = [name for name in tasks if name not in {one.label for one in plans}]
+    if unknown:
+        raise ConfigError(
+            f"The plan has no task `{unknown[0]}`.",
+            remedy=f"Choose among {', '.join(one.label for one in plans)}.",
+        )
+    chosen = [one for one in plans if not tasks or one.label in tasks]
+    graph = comparison_stages(chosen, headroom_only=headroom)
+    console = SafeConsole()
+    with sole_user(out):
+        outcome = run_graph(
+            out, graph, workers.make, console, store=workers.store, retries=workers.retries
+        )
+        record = judge(plans, outcome.artefacts)
+        with output_errors(out):
+            write_record(out / RECORD, {**record, **provenance()})
+            page = write_page(record, out)
+    for sentence in answer(record["tasks"]):
+        console.print(sentence)
+    console.print(str(page))
+    if outcome.interrupted:
+        console.print("Stopped. Go on with the same command.")
+        return INTERRUPTED
+    return 0

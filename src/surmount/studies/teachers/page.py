@@ -1,0 +1,186 @@
+"""The page of a comparison: an answer, one figure, a table to choose by."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from surmount.report.document.parts import Block, Column, Document, Paragraph, Section, Table
+from surmount.report.document.text import percent, signed
+from surmount.report.writing import write_document
+from surmount.studies.teachers.figure import differences_figure
+from surmount.studies.teachers.judging import MARGIN, has_headroom
+from surmount.studies.teachers.reading import answer, verdict
+
+NAME = "comparison"
+"""Of the page and its Markdown."""
+Record = Mapping[str, Any]
+
+
+def write_page(record: Record, root: Path) -> Path:
+    """Write ``comparison.html``, ``comparison.md`` and the figure."""
+    return write_document(document_of(record), root, NAME)
+
+
+def document_of(record: Record) -> Document:
+    """Lay out the page."""
+    tasks: Sequence[Record] = record["tasks"]
+    blocks: list[Block] = [
+        Paragraph(
+            text="Every teacher went on from the same initial networks, each for the same number "
+            "of steps, of which those that need groups paid for the trials these come from. Scores "
+            "are success in tests on every variant from the trials' start. Measures, tests and "
+            "their reading were fixed before the runs (plan.md)."
+        ),
+        *([] if (figure := differences_figure(tasks)) is None else [figure]),
+        _choice_table(tasks),
+        *([] if (ablations := _ablation_table(tasks)) is None else [ablations]),
+    ]
+    return Document(
+        title="Which teacher helps where",
+        subtitle="A comparison whose plan was written beforehand",
+        notices=(),
+        summary=tuple(answer(tasks)),
+        facts=tuple(
+            (task["title"], f"{_most(task)} of {task['planned']['networks']} networks")
+            for task in tasks
+        ),
+        sections=(
+            Section(anchor="differences", title="Against uniform tasks", blocks=tuple(blocks)),
+            Section(
+                anchor="scores",
+                title="Success",
+                blocks=tuple(_score_table(task) for task in tasks),
+            ),
+        ),
+    )
+
+
+def _most(task: Record) -> int:
+    return max((len(teacher["success"]) for teacher in task["teachers"]), default=0)
+
+
+def _choice_table(tasks: Sequence[Record]) -> Table:
+    rows = [
+        (
+            task["title"],
+            teacher["title"],
+            str(found["networks"]),
+            _difference(found["mean"]),
+            signed(100 * found["worst"]),
+            percent(found["probability_of_improvement"]["estimate"]),
+            f"{found.get('holm_p', found['wilcoxon_p']):.3f}",
+            _detectable(found),
+            verdict(teacher),
+        )
+        for task in tasks
+        for teacher in task["teachers"]
+        if (found := teacher["against"]) is not None
+    ]
+    return Table(
+        label="",
+        title="Which to choose",
+        columns=(
+            Column(heading="task"),
+            Column(heading="teacher"),
+            Column(heading="pairs", numeric=True),
+            Column(heading="mean, points", numeric=True),
+            Column(heading="worst quarter, points", numeric=True),
+            Column(heading="better", numeric=True),
+            Column(heading="p", numeric=True),
+            Column(heading="detectable, points", numeric=True),
+            Column(heading="verdict"),
+        ),
+        rows=tuple(rows),
+        notes=(
+            (
+                "Mean: paired difference of mean success to uniform tasks with its bootstrap "
+                "interval over networks. Better: probability that a network beats one of uniform "
+                "tasks on a variant. p: Wilcoxon's, by Holm over all comparisons on held-out tasks "
+                "with headroom. Detectable: what a paired t-test finds in four of five cases. No "
+                f"harm: the interval lies above −{100 * MARGIN:.0f} points."
+            ),
+        ),
+    )
+
+
+def _ablation_table(tasks: Sequence[Record]) -> Table | None:
+    rows = [
+        (
+            task["title"],
+            name,
+            str(found["networks"]),
+            _difference(found["mean"]),
+            f"{found.get('holm_p', found['wilcoxon_p']):.3f}",
+            _detectable(found),
+        )
+        for task in tasks
+        for name, found in task["ablations"].items()
+        if found is not None
+    ]
+    if not rows:
+        return None
+    return Table(
+        label="",
+        title="What the frontier owes to its groups",
+        columns=(
+            Column(heading="task"),
+            Column(heading="frontier against"),
+            Column(heading="pairs", numeric=True),
+            Column(heading="mean, points", numeric=True),
+            Column(heading="p", numeric=True),
+            Column(heading="detectable, points", numeric=True),
+        ),
+        rows=tuple(rows),
+        notes=("As above; these comparisons are a family of their own for Holm.",),
+    )
+
+
+def _difference(mean: Record) -> str:
+    estimate = signed(100 * mean["estimate"])
+    if mean["lower"] is None:
+        return estimate
+    return f"{estimate} ({signed(100 * mean['lower'])} to {signed(100 * mean['upper'])})"
+
+
+def _detectable(found: Record) -> str:
+    smallest = found["smallest_detectable"]
+    return "none" if smallest is None else f"{100 * smallest:.0f}"
+
+
+def _score_table(task: Record) -> Table:
+    rows = [
+        (
+            teacher["title"],
+            str(summary["networks"]),
+            percent(summary["mean"]["estimate"]),
+            percent(summary["interquartile_mean"]["estimate"]),
+            percent(summary["worst"]),
+            str(teacher["below_initial"]),
+        )
+        for teacher in task["teachers"]
+        if (summary := teacher["summary"]) is not None
+    ]
+    headroom = task["headroom"]
+    said = "The oracle was not run."
+    if headroom is not None:
+        verb = "tells" if has_headroom(task) else "does not tell"
+        said = (
+            f"The oracle gains {_difference(headroom['mean'])} points over uniform tasks in "
+            f"{headroom['networks']} networks, which {verb} that there is something to win."
+        )
+    return Table(
+        label="",
+        title=f"{task['title']} ({task['role']})",
+        columns=(
+            Column(heading="teacher"),
+            Column(heading="networks", numeric=True),
+            Column(heading="mean", numeric=True),
+            Column(heading="interquartile mean", numeric=True),
+            Column(heading="worst quarter of variants", numeric=True),
+            Column(heading="below their initial network", numeric=True),
+        ),
+        rows=tuple(rows),
+        notes=(said,),
+    )

@@ -1,0 +1,1 @@
+"""Tasks to measure teachers on: cheap, with what is known of their right groups."""

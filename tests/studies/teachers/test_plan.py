@@ -1,0 +1,194 @@
+"""A comparison follows its plan: costs are charged, networks paired, outcomes read as written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from surmount.analysis.configuration import AnalysisConfig
+from surmount.analysis.determination import determine_curriculum
+from surmount.core.errors import ConfigError, InputError
+from surmount.studies.teachers.graph import arms, comparison_stages
+from surmount.studies.teachers.judging import _adjust, against, worst
+from surmount.studies.teachers.learning import oracle_tasks, steps_of
+from surmount.studies.teachers.page import document_of
+from surmount.studies.teachers.plan import ORACLE, read_plan
+from surmount.studies.teachers.reading import answer, verdict, winners
+from surmount.suite.families import PointMassFamily
+from surmount.tasks.space import TaskSpace
+from surmount.teachers.catalogue import TEACHERS
+from surmount.trials.trials import Trials
+
+PLAN = """
+[[task]]
+name = "own_point:make_env"
+role = "held out"
+teachers = ["frontier", "alp-gmm"]
+networks = 3
+pilot = 2
+budget_steps = 9216
+[task.common]
+"learner.num_envs" = 9
+[teaching]
+"frontier.target" = 0.5
+"""
+
+
+def plan_of(tmp_path: Path, text: str = PLAN):
+    file = tmp_path / "plan.toml"
+    file.write_text(text, encoding="utf-8")
+    return read_plan(file)
+
+
+def test_stages_stand_network_by_network_with_one_seed_for_all_teachers(tmp_path):
+    plans = plan_of(tmp_path)
+    stages = comparison_stages(plans)
+    networks = [int(stage.name.rsplit("-", 1)[1]) for stage in stages]
+    assert networks == sorted(networks)
+    learnt = [stage for stage in stages if stage.kind.name == "study-teacher"]
+    assert [stage.config["teacher"] for stage in learnt[:4]] == [
+        "uniform", "frontier", "alp-gmm", ORACLE,
+    ]  # fmt: skip
+    assert arms(plans[0], 2) == ("uniform", "frontier", "alp-gmm")  # after the pilot
+    seeds = {stage.name.rsplit("-", 1)[1]: set() for stage in learnt}
+    for stage in learnt:
+        seeds[stage.name.rsplit("-", 1)[1]].add(stage.seed)
+    assert all(len(own) == 1 for own in seeds.values())
+    assert len(set.union(*seeds.values())) == 3
+    assert learnt[1].config["teaching"]["frontier"]["target"] == 0.5
+    analyses = [stage for stage in stages if stage.kind.name == "analysis"]
+    assert [len(stage.inputs["trials"]) for stage in analyses] == [1, 1, 1]
+
+
+def test_headroom_alone_runs_the_reference_and_the_oracle_on_the_pilot(tmp_path):
+    stages = comparison_stages(plan_of(tmp_path), headroom_only=True)
+    taught = [stage.config["teacher"] for stage in stages if stage.kind.name == "study-teacher"]
+    assert taught == ["uniform", ORACLE] * 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "error"),
+    [
+        ("pilot = 2", "pilot = 5", ConfigError),
+        ('"held out"', '"both"', ConfigError),
+        ('"alp-gmm"', '"alpgmm"', ConfigError),
+        ("budget_steps = 9216", "", InputError),
+        ("[[task]]", "[task]", InputError),
+    ],
+)
+def test_a_plan_that_cannot_be_followed_is_refused(tmp_path, old, new, error):
+    with pytest.raises(error):
+        plan_of(tmp_path, PLAN.replace(old, new))
+
+
+def trials_of(lengths: list[int]) -> Trials:
+    count = len(lengths)
+    variant = np.array([[-3.0, 0.5], [0.0, 8.0], [3.0, 0.5]])[np.arange(count) % 3]
+    rng = np.random.default_rng(0)
+    starts = np.concatenate([[0], np.cumsum(lengths)])
+    return Trials(
+        parameters=("gate_position", "gate_width"),
+        feature_names=("a", "b"),
+        variant=variant,
+        network=np.zeros(count, dtype=np.int64),
+        repetition=np.arange(count) // 3,
+        success=variant[:, 0] == 0.0,
+        starts=starts,
+        features=rng.normal(np.repeat(variant[:, 0], lengths)[:, None], 1.0, (starts[-1], 2)),
+    )
+
+
+def test_trials_cost_their_steps_and_who_needs_no_groups_pays_nothing():
+    assert steps_of(trials_of([5, 7, 3])) == 12
+    free = {name for name, entry in TEACHERS.items() if not entry.by_trials}
+    assert free == {
+        "uniform", "promote-demote", "learning-progress", "learnability", "alp-gmm", "plr",
+        "frontier-cells", "sgs", "currot",
+    }  # fmt: skip
+
+
+def test_half_of_the_oracles_tasks_are_what_the_family_wants_or_the_hard_third():
+    analysis = determine_curriculum(trials_of([40] * 18), AnalysisConfig(max_components=2))
+    family = PointMassFamily()
+    target = family.target(None)
+    drawn = oracle_tasks(family, None, analysis, target).sample(np.random.default_rng(0), 20_000)
+    narrow = (np.abs(np.abs(drawn[:, 0]) - 3) <= 0.02) & (drawn[:, 1] <= 0.52)
+    assert narrow.mean() == pytest.approx(0.5, abs=0.02)
+
+    class Ordered(PointMassFamily):
+        def space(self, settings):
+            space = super().space(settings)
+            return TaskSpace(**{**vars(space), "harder": (1, -1)})
+
+    hard = oracle_tasks(Ordered(), None, analysis, None)
+    assert hard.weights[1:].sum() == pytest.approx(0.5)
+    assert (hard.weights[1:] > 0).sum() == 1
+    assert hard.upper[1:][hard.weights[1:] > 0][0, 0] == 3.0  # to the right
+
+
+def scores(gain: float, networks: int = 20, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    base = rng.uniform(0.3, 0.6, (networks, 1)) + rng.normal(0, 0.05, (networks, 8))
+    noise = rng.normal(0, 0.05, (networks, 8))
+    return base + gain + noise - noise.mean(), base  # the mean difference is the gain
+
+
+def task_of(headroom: float, **gains: float) -> dict:
+    return {
+        "name": "t",
+        "title": "Task",
+        "role": "held out",
+        "planned": {"networks": 20, "pilot": 20, "budget_steps": 1},
+        "headroom": against(*scores(headroom), 0),
+        "ablations": {"frontier-cells": against(*scores(0.1), 0)},
+        "teachers": [
+            {
+                "name": name,
+                "title": name,
+                "success": {},
+                "summary": None,
+                "against": against(*scores(gain, seed=index), 0),
+            }
+            for index, (name, gain) in enumerate(gains.items())
+        ],
+    }
+
+
+def test_a_difference_is_measured_in_pairs_with_what_it_could_have_found():
+    first, second = scores(0.1)
+    found = against(first, second, 0)
+    assert found["mean"]["estimate"] == pytest.approx((first - second).mean())
+    assert found["mean"]["lower"] < 0.1 < found["mean"]["upper"]
+    assert found["wilcoxon_p"] < 1e-4
+    assert 0 < found["smallest_detectable"] < 0.05
+    assert worst(np.array([[0.0, 0.2, 0.4, 1.0, 1.0, 1.0, 1.0, 1.0]])) == pytest.approx([0.1])
+    assert against(second, second, 0)["wilcoxon_p"] == 1.0
+
+
+def test_outcomes_are_read_as_the_plan_says():
+    tasks = [task_of(0.2, good=0.1, same=0.0, bad=-0.2), task_of(0.0, good=0.0, bad=0.1)]
+    _adjust(tasks)
+    read = [{one["name"]: verdict(one) for one in task["teachers"]} for task in tasks]
+    assert read[0] == {"good": "helps", "same": "no harm", "bad": "harms"}
+    assert read[1] == {"good": "no harm", "bad": "no harm"}  # no headroom: nobody can help
+    assert winners(tasks) == ["good"]
+    first, second, _ = answer(tasks)
+    assert first.startswith("Over uniform tasks good helps")
+    assert "gain nothing sure on Task" in second
+    page = document_of({"tasks": tasks})
+    assert page.summary == tuple(answer(tasks))
+    table, ablations = page.sections[0].blocks[-2:]
+    # One comparison on the only task with headroom: Holm leaves its p value as it is.
+    only = tasks[0]["ablations"]["frontier-cells"]
+    assert only["holm_p"] == only["wilcoxon_p"]
+    assert len(ablations.rows) == 2
+    assert [row[-1] for row in table.rows] == ["helps", "no harm", "harms", "no harm", "no harm"]
+
+
+def test_nobody_wins_where_one_task_is_harmed():
+    tasks = [task_of(0.2, good=0.1), task_of(0.2, good=-0.2)]
+    _adjust(tasks)
+    assert winners(tasks) == []
+    assert answer(tasks)[0].startswith("No teacher is shown to help")
