@@ -7,6 +7,8 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
+from surmount.core.printing import escaped
+
 _INTERVAL_S = 0.1
 _PLAIN_INTERVAL_S = 10.0
 
@@ -36,7 +38,7 @@ class PartProgress:
         if part == self._part and now - self._told_at < interval:
             return
         self._part, self._told_at = part, now
-        text = f"{part} {done} of {of}" if of > 1 and (done or self._alive) else part
+        text = escaped(f"{part} {done} of {of}" if of > 1 and (done or self._alive) else part)
         self._stream.write(f"\r\x1b[2K{text} …" if self._alive else f"{text} …\n")
         self._stream.flush()
 
