@@ -41,6 +41,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
     "your environment": {
         "tasks": "list the registered tasks with their parameters, ranges and units",
         "check": "whether an environment of your own keeps the contract",
+        "rollout": "a table of trials of policies that were trained elsewhere",
         "config": "print every key of a configuration with its value",
     },
     "the paper, on its robot or on your environment": {

@@ -1,4 +1,4 @@
-"""Finding one's own environment by ``module:function``."""
+"""Finding one's own functions by ``module:function``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import inspect
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from surmount.core.errors import ConfigError, InputError, SurmountError
 from surmount.envs.making import cause
@@ -15,9 +15,21 @@ from surmount.envs.task_env import TaskEnv
 
 
 def load_make_env(name: str) -> Callable[[], TaskEnv]:
+    """Return the function that makes an environment; errors as of :func:`load_function`."""
+    return cast(Callable[[], TaskEnv], load_function(name, example="my_module:make_env"))
+
+
+def load_function(name: str, *, example: str) -> Callable[..., Any]:
     """Return the function that a name stands for.
 
     The module is looked for where Python looks, and in the working folder.
+
+    Parameters
+    ----------
+    name
+        As ``module:function``.
+    example
+        How such a name is written, for the sentence of an error.
 
     Raises
     ------
@@ -30,7 +42,7 @@ def load_make_env(name: str) -> Callable[[], TaskEnv]:
     """
     module_name, _, function_name = name.rpartition(":")
     if not module_name or not function_name:
-        raise ConfigError(f"`{name}` is not a function.", remedy="Write it as my_module:make_env.")
+        raise ConfigError(f"`{name}` is not a function.", remedy=f"Write it as {example}.")
     if module_name.endswith(".py") or "/" in module_name or "\\" in module_name:
         file = Path(module_name)
         spelling = f"{file.stem}:{function_name}"
@@ -69,4 +81,4 @@ def load_make_env(name: str) -> Callable[[], TaskEnv]:
             f"`{module_name}` has no function `{function_name}`.",
             remedy=f"It has {', '.join(names) or 'none'}.",
         )
-    return cast(Callable[[], TaskEnv], function)
+    return function

@@ -23,14 +23,33 @@ def make_task_env(make_env: Callable[[], object]) -> TaskEnv:
         If the function raises one: it is handed on.
     """
     name = getattr(make_env, "__name__", "make_env")
-    needed = _needed(make_env)
+    env = called(make_env, name)
+    if not isinstance(env, TaskEnv):
+        raise InputError(
+            f"`{name}` returned {type(env).__name__}, not a TaskEnv.",
+            remedy="Return surmount.envs.TaskEnv(env, space=…, set_task=…, success=…, features=…).",
+        )
+    return env
+
+
+def called(function: Callable[[], object], name: str) -> object:
+    """Return what a function of somebody's own returns.
+
+    Raises
+    ------
+    InputError
+        If the function needs arguments, fails, or ends Python.
+    SurmountError
+        If the function raises one: it is handed on.
+    """
+    needed = _needed(function)
     if needed:
         raise InputError(
             f"`{name}` needs arguments: {', '.join(needed)}.",
             remedy="Give each a default, or write a function without arguments that calls it.",
         )
     try:
-        env = make_env()
+        return function()
     except SurmountError:
         raise
     except (Exception, SystemExit) as error:
@@ -38,12 +57,6 @@ def make_task_env(make_env: Callable[[], object]) -> TaskEnv:
             f"`{name}` fails ({cause(error)}).",
             remedy="Call it by itself first: Python then shows where it fails.",
         ) from error
-    if not isinstance(env, TaskEnv):
-        raise InputError(
-            f"`{name}` returned {type(env).__name__}, not a TaskEnv.",
-            remedy="Return surmount.envs.TaskEnv(env, space=…, set_task=…, success=…, features=…).",
-        )
-    return env
 
 
 def time_limit(env: TaskEnv) -> int:
@@ -80,10 +93,10 @@ def cause(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
-def _needed(make_env: Callable[[], object]) -> list[str]:
+def _needed(function: Callable[[], object]) -> list[str]:
     """Return the names of parameters without a default."""
     try:
-        parameters = inspect.signature(make_env).parameters.values()
+        parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):  # some that are written in C have none
         return []
     return [

@@ -82,6 +82,21 @@ def _axes_said(path: Path) -> Mapping[str, Any]:
     return axes if isinstance(axes, dict) else {}
 
 
+def require_writable_kind(path: Path) -> None:
+    """Refuse a table to write that ends neither in ``.parquet`` nor in ``.csv``.
+
+    Raises
+    ------
+    InputError
+        If it does not.
+    """
+    if path.suffix.lower() not in (".parquet", ".csv"):
+        raise InputError(
+            f"{path} is neither a .parquet nor a .csv file.",
+            remedy="Name a table that ends in .parquet or .csv.",
+        )
+
+
 def write_columns(
     path: Path,
     columns: Mapping[str, np.ndarray[Any, Any]],
@@ -91,12 +106,8 @@ def write_columns(
 
     Parquet also holds what ``axes`` says of task parameters; CSV has no place for it.
     """
+    require_writable_kind(path)
     kind = path.suffix.lower()
-    if kind not in (".parquet", ".csv"):
-        raise InputError(
-            f"{path} is neither a .parquet nor a .csv file.",
-            remedy="Name a table that ends in .parquet or .csv.",
-        )
     path.parent.mkdir(parents=True, exist_ok=True)
     frame = pl.DataFrame(dict(columns))
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
