@@ -64,7 +64,7 @@ def test_environments_of_others_keep_the_contract(name):
     module = importlib.import_module(name)
     findings = check_contract(module.make_env)
     assert [finding for finding in findings if not finding.holds] == []
-    assert len(findings) == 12 + len(module.make_env().task_parameters)
+    assert len(findings) == 15 + len(module.make_env().task_parameters)
 
 
 @pytest.mark.slow

@@ -165,13 +165,17 @@ def test_ctrl_c_while_modules_are_imported_ends_in_a_sentence(tmp_path):
         "try:\n    time.sleep(600)\nexcept BaseException:\n    raise ImportError('broken')\n",
         encoding="utf-8",
     )
-    process = subprocess.Popen(  # noqa: S603
-        [*COMMAND, "tasks"],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        restore_signals=True,
-    )
+    # A shell that runs the tests in the background lets its children ignore what is sent here.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = subprocess.Popen(  # noqa: S603
+            [*COMMAND, "tasks"],
+            env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert process.stdout is not None
     assert process.stdout.readline() == b"importing\n"
     process.send_signal(signal.SIGINT)

@@ -107,8 +107,8 @@ def _rendered_own(shown: Shown, out: Path, fps: int | None) -> bool:
         write_png(out, np.concatenate([episode.frames[-1] for episode in episodes], axis=1))
     for episode in episodes:
         task = ", ".join(f"{name} {value}" for name, value in episode.task.items())
-        print(f"{task}: {'succeeded' if episode.is_success else 'failed'}")
-    print(f"Written to {out}: {len(frames)} frames by the environment's own render")
+        say(f"{task}: {'succeeded' if episode.is_success else 'failed'}")
+    say(f"Written to {out}: {len(frames)} frames by the environment's own render")
     return True
 
 

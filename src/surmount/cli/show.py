@@ -26,8 +26,7 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
     Args:
         file: A curriculum.json or analysis.json, or a folder with one: of `surmount analyze`, or
             of a run; or the training.json of one training, which tells what its teacher did.
-        why: Walk the evidence as well: BIC curve, links of the dendrogram, merges, stability; of a
-            run also what teachers practised when, and why.
+        why: Walk the evidence as well, link by link, and what a run's teachers practised, and why.
     """
     from surmount.analysis.description import describe_curriculum
     from surmount.analysis.explanation import explain_analysis

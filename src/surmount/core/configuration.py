@@ -325,7 +325,7 @@ def _parse(text: str) -> object:
 
 def _flatten(tree: Mapping[str, Any], *, prefix: str) -> Iterator[tuple[str, Any]]:
     for key, value in tree.items():
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and value:  # an empty one is a value: no arguments
             yield from _flatten(cast(Mapping[str, Any], value), prefix=f"{prefix}{key}.")
         else:
             yield prefix + key, value

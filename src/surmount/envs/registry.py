@@ -16,6 +16,7 @@ from typing import Any, cast
 
 from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError
+from surmount.core.extras import missing_extra
 from surmount.envs.family import TaskFamily
 
 GROUP = "surmount.tasks"
@@ -83,7 +84,12 @@ def _families_of(entry: EntryPoint) -> dict[str, TaskFamily]:
         if isinstance(value, TaskFamily):
             families[str(name)] = value
         elif callable(value):
-            families[str(name)] = _own_family(f"{entry.name}/{name}", value)
+            try:
+                families[str(name)] = _own_family(f"{entry.name}/{name}", value)
+            except ModuleNotFoundError as error:
+                if missing_extra(error) is None:
+                    raise
+                # Nobody can run it here; who only reads what runs have left does not miss it.
         else:
             raise _unusable(entry, f"{type(value).__name__} under `{name}`")
     return families

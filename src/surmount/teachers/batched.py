@@ -171,7 +171,8 @@ def _joined(parts: list[Episodes], parameters: int) -> Episodes:
         success=np.empty(0, dtype=np.bool_),
         diverged=np.empty(0, dtype=np.bool_),
     )
+    names = [name for name, values in vars(empty).items() if values is not None]
     return Episodes(
         **{name: np.concatenate([getattr(part, name) for part in (empty, *parts)])
-           for name in vars(empty)}
+           for name in names}
     )  # fmt: skip
