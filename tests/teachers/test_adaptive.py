@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from toy_learner import VARIANTS, WHOLE, ToyLearner, toy_context, train
 
+from surmount.core.axis import Axis
 from surmount.core.errors import ConfigError, InputError
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
@@ -395,3 +396,16 @@ def test_an_unknown_teacher_names_the_nearest():
 def test_settings_out_of_range_are_refused(config, field):
     with pytest.raises(ConfigError, match=field):
         config()
+
+
+@pytest.mark.parametrize("name", ["alp-gmm", "spdl", "currot"])
+def test_a_teacher_that_needs_distances_refuses_categories_and_names_those_that_can(name):
+    axes = (Axis(kind="categorical", names=("sand", "ice")),)
+    whole = TaskDistribution.uniform(("x",), np.array([0.0]), np.array([1.0]), axes=axes)
+    context = replace(toy_context(), whole_range=whole)
+    with pytest.raises(
+        ConfigError, match=f"`{name}` needs distances.*categories of `x`"
+    ) as refused:
+        make_teacher(name, context)
+    able = refused.value.remedy.partition("(")[2].partition(")")[0].split(", ")
+    assert able == [one for one in TEACHERS if one not in ("alp-gmm", "spdl", "currot")]

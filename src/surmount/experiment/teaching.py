@@ -26,6 +26,7 @@ from surmount.teachers.catalogue import (
     TEACHERS,
     TeachersConfig,
     find_teacher,
+    require_distances,
 )
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_folder import open_run
@@ -100,7 +101,7 @@ def comparison_graph(
 
 
 def require_fit(config: ExperimentConfig, teachers: Sequence[str]) -> None:
-    """Refuse teachers that need a critic where the learner is known to have none.
+    """Refuse teachers that need a critic or distances between tasks where there are none.
 
     Raises
     ------
@@ -108,7 +109,9 @@ def require_fit(config: ExperimentConfig, teachers: Sequence[str]) -> None:
         If a teacher is unknown or does not fit, before anything is trained.
     """
     without = estimates_values(config.learner) is False
+    whole_range = config.family.space(config.env).whole_range
     for name in teachers:
+        require_distances(name, whole_range)
         if find_teacher(name).needs_value_errors and without:
             raise ConfigError(
                 f"The teacher `{name}` needs a critic's value errors, and "

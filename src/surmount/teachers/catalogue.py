@@ -141,6 +141,8 @@ class Entry:
     by_trials
         Whether it needs groups, and so the trials that these are determined from: in a comparison
         at equal costs it pays for them.
+    needs_distances
+        Whether its method needs distances along every parameter, which categories have not.
     """
 
     title: str
@@ -148,6 +150,7 @@ class Entry:
     make: Callable[[TeacherContext], Teacher]
     needs_value_errors: bool = False
     by_trials: bool = False
+    needs_distances: bool = False
 
 
 def make_teacher(name: str, context: TeacherContext) -> Teacher:
@@ -156,9 +159,12 @@ def make_teacher(name: str, context: TeacherContext) -> Teacher:
     Raises
     ------
     ConfigError
-        If there is none of this name, or it needs levels and the curriculum has none.
+        If there is none of this name, it needs levels and the curriculum has none, or it needs
+        distances and a parameter has categories.
     """
-    return find_teacher(name).make(context)
+    entry = find_teacher(name)
+    require_distances(name, context.whole_range)
+    return entry.make(context)
 
 
 SETTINGS = {
@@ -188,6 +194,27 @@ def find_teacher(name: str) -> Entry:
     if name not in TEACHERS:
         raise ConfigError(f"Unknown teacher `{name}`.", remedy=nearest(name, [*TEACHERS]))
     return TEACHERS[name]
+
+
+def require_distances(name: str, tasks: TaskDistribution) -> None:
+    """Refuse a teacher whose method needs distances where a parameter has categories.
+
+    Raises
+    ------
+    ConfigError
+        Naming the teachers that can, or the nearest name where there is none of this one.
+    """
+    if not find_teacher(name).needs_distances:
+        return
+    named = zip(tasks.parameters, tasks.axes, strict=True)
+    categories = [parameter for parameter, axis in named if axis.categorical]
+    if categories:
+        able = ", ".join(key for key, entry in TEACHERS.items() if not entry.needs_distances)
+        raise ConfigError(
+            f"The teacher `{name}` needs distances between tasks, and the categories of "
+            f"`{categories[0]}` have none.",
+            remedy=f"Choose another teacher ({able}), or write `{categories[0]}` as numbers.",
+        )
 
 
 def _require_levels(curriculum: Curriculum) -> None:
@@ -334,6 +361,7 @@ TEACHERS = {
         title="ALP-GMM",
         source="Portelas et al. 2019",
         make=lambda of: AlpGmmTeacher(of.whole_range, config=of.teachers.alp_gmm, **of.budget),
+        needs_distances=True,
     ),
     "plr": Entry(
         title="prioritised level replay",
@@ -346,6 +374,7 @@ TEACHERS = {
         source="Klink et al. 2020, 2021",
         make=_spdl,
         by_trials=True,
+        needs_distances=True,
     ),
     "mastery": Entry(
         title="mastery-gated levels",
@@ -377,6 +406,7 @@ TEACHERS = {
         make=lambda of: CurrotTeacher(
             of.whole_range, of.target or of.whole_range, config=of.teachers.currot, **of.budget
         ),
+        needs_distances=True,
     ),
 }
 """By the name that the command line takes."""
