@@ -22,6 +22,7 @@ _SEPARATORS = (",", ";", "\t", "|")
 _HEAD_CHARACTERS = 1 << 18
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _UNNAMED = "surmount.unnamed."
+_FILLED = "surmount.filled"
 _INDEX_NOTE = "The first column, which has no name, numbers rows: it was left out."
 CSV_ENDINGS = (".csv", ".tsv", ".txt")
 
@@ -70,15 +71,18 @@ def open_csv(path: Path) -> Source:
         separator=separator,
         schema=dict.fromkeys(names, pl.String),
     )
-    filled = ~pl.all_horizontal(pl.all().is_null())
+    # As a column: as a predicate it takes time quadratic in the number of columns.
+    marked = whole.with_columns(pl.any_horizontal(pl.all().is_not_null()).alias(_FILLED))
 
     def place(row: int) -> str:
         """Return a row's number among those of the file, blank ones counted."""
-        return str(int(source.collect(whole.select(filled.arg_true().gather(row))).item()) + 1)
+        return str(
+            int(source.collect(marked.select(pl.col(_FILLED).arg_true().gather(row))).item()) + 1
+        )
 
     source = Source(
         name=str(path),
-        frame=whole.filter(filled),
+        frame=marked.filter(_FILLED).drop(_FILLED),
         place=place,
         decimal_commas=separator != ",",
         explain=partial(_explain, path, content, separator, len(names), skipped),

@@ -469,3 +469,20 @@ def test_threads_are_chosen_by_environments_and_processors_unless_they_are_given
     assert ObstacleVectorEnv("step", 3, n_threads=2).simulation.batch.nthread == 2
     with pytest.raises(ConfigError, match="n_threads"):
         ObstacleVectorEnv("step", 3, n_threads=0)
+
+
+def test_infos_tell_the_share_of_the_way_from_the_fixed_start_to_the_target_line():
+    env = ObstacleVectorEnv("step", 2, config=SHORT, start="fixed")
+    _, infos = env.reset(seed=0)
+    np.testing.assert_allclose(infos["covered"], 0.0, atol=1e-6)
+    course, shares = SHORT.course, []
+    for _ in range(15):
+        x_m = env.simulation.measure().x_m
+        way_m = course.target_m - course.fixed_start_m
+        expected = np.clip((x_m - course.fixed_start_m) / way_m, 0.0, 1.0)
+        np.testing.assert_array_equal(infos["covered"], expected)
+        shares.append(infos["covered"].max())
+        _, _, _, truncated, infos = env.step(np.array([[1.0, 0.0, 0.0]] * 2))
+    assert truncated.all()
+    assert 0.0 < max(shares) <= infos["final_info"]["covered"].max() <= 1.0
+    env.close()

@@ -125,6 +125,16 @@ class Episodes:
         self._take_stock()
         return ended
 
+    def covered(self, now: Measures) -> FloatArray:
+        """Return the share of the way to the target line that was covered, ``(env,)``, 0 to 1.
+
+        The way is the same for all episodes, from the fixed start on: a random start beyond it has
+        covered a part already. A base whose simulation diverged, and is nowhere, covered nothing.
+        """
+        start_m = self._course.fixed_start_m
+        covered = (now.x_m - start_m) / (self._course.target_m - start_m)
+        return np.nan_to_num(np.clip(covered, 0.0, 1.0), nan=0.0)
+
     @property
     def over(self) -> BoolArray:
         """Episodes that have ended and not begun anew, shape ``(env,)``."""

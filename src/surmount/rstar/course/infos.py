@@ -20,6 +20,8 @@ INFO_KEYS = {
     "variant": "size of the episode's obstacle in mm",
     "is_success": "whether the base has passed the target line",
     "diverged": "whether the physics diverged, which ends the episode",
+    "covered": "share of the way from the fixed start to the target line that lies behind the "
+    "base, 0 to 1",
     "completion_time_s": "time to the target in s; the cap as long as it is not reached (paper "
     "III-D)",
     "sprawl_path_deg": "path length of the sprawl angle so far, Σ\\|Δ\\| in degrees (paper III-D)",
@@ -38,6 +40,7 @@ def step_infos(measures: Measures, episodes: Episodes) -> Infos:
         "variant": episodes.variant.copy(),
         "is_success": episodes.success.copy(),
         "diverged": episodes.diverged.copy(),
+        "covered": episodes.covered(measures),
         "completion_time_s": episodes.completion_time_s.copy(),
         "sprawl_path_deg": sprawl_deg,
         "fbem_path_deg": fbem_deg,
