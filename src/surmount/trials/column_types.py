@@ -353,7 +353,8 @@ def _list_sizes(
 ) -> dict[str, int]:
     """Return how many entries columns of lists have; the same in every row, or a problem."""
     stems = {column.rpartition(".")[0] for column in wanted.values() if column not in schema}
-    named = [name for name in schema if name in {*wanted.values(), *stems}]
+    either = {*wanted.values(), *stems}
+    named = [name for name in schema if name in either]
     sizes: dict[str, int] = {}
     lists: list[str] = []
     for name in named:

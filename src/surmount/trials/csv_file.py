@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -58,7 +59,7 @@ def open_csv(path: Path) -> Source:
     if not header:
         return Source(name=str(path), frame=pl.LazyFrame())
     names = [name or f"{_UNNAMED}{index}" for index, name in enumerate(header)]
-    again = sorted({name for name in names if names.count(name) > 1})
+    again = sorted(name for name, times in Counter(names).items() if times > 1)
     if again:
         raise InputError(
             f"{path}: several columns have the name `{again[0]}`.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from datetime import date, datetime, time, timedelta
 from typing import Any
@@ -43,7 +44,7 @@ def open_frame(table: Any, name: str) -> Source:
     problems = Problems()
     keys: list[Any] = list(getattr(table, "columns", table))
     names = [str(key) for key in keys]
-    again = sorted({one for one in names if names.count(one) > 1})
+    again = sorted(one for one, times in Counter(names).items() if times > 1)
     for one in again:
         problems.add(f"several columns have the name `{one}`", "Name each column once.")
     found = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -212,10 +212,8 @@ class _Reader:
 
     def features(self, rows: RowGroups) -> FloatArray:
         """Return the features with the rows of each trial together, ``(sample, feature)``."""
-        fields = list(self.plan.features.items())
-        values = np.empty((len(fields), rows.trial.size)).T
-        for index, (name, field) in enumerate(fields):
-            column = self._frame.drop_in_place(f"feature {index}")
+        values = np.empty((len(self.plan.features), rows.trial.size)).T
+        for index, (name, field, column) in enumerate(self._feature_columns()):
             if field.kind == "instant":
                 note_bad_numbers(field, column, self.source, self.problems)
                 values[:, index] = self._since_start(name, column.fill_null(0).to_numpy(), rows)
@@ -225,6 +223,14 @@ class _Reader:
         if TIME in self.plan.features:
             self._check_time(values[:, list(self.plan.features).index(TIME)], rows)
         return values
+
+    def _feature_columns(self) -> Iterator[tuple[str, Field, pl.Series]]:
+        """Give each feature's column out once, so that it takes no memory when it has been read."""
+        columns = {column.name: column for column in self._frame.get_columns()}
+        places = [f"feature {index}" for index in range(len(self.plan.features))]
+        self._frame = self._frame.select(pl.exclude(places))
+        for place, (name, field) in zip(places, self.plan.features.items(), strict=True):
+            yield name, field, columns.pop(place)
 
     def _since_start(
         self, name: str, instants: np.ndarray[Any, Any], rows: RowGroups
@@ -238,8 +244,7 @@ class _Reader:
 
     def note_features(self) -> None:
         """Note the problems of the features where trials cannot be told apart."""
-        for index, field in enumerate(self.plan.features.values()):
-            column = self._frame.drop_in_place(f"feature {index}")
+        for _, field, column in self._feature_columns():
             note_bad_numbers(field, column, self.source, self.problems)
 
     def _check_time(self, time: FloatArray, rows: RowGroups) -> None:
