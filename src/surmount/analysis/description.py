@@ -19,6 +19,20 @@ _FEWEST = 3
 def describe_curriculum(curriculum: Curriculum) -> list[str]:
     """Return groups, ranges, success, levels and weights of a curriculum as lines of text."""
     n_groups, n_levels = len(curriculum.groups), curriculum.n_levels
+    size = f"{counted(n_groups, 'group')}, {counted(n_levels, 'level')}"
+    lines = [
+        f"Curriculum over {', '.join(curriculum.parameters)}: {size}",
+        "",
+        *table_lines(*group_table(curriculum)),
+        "",
+    ]
+    if not curriculum.levels:
+        return [*lines, describe_no_levels(curriculum)]
+    return [*lines, *table_lines(*level_table(curriculum))]
+
+
+def group_table(curriculum: Curriculum) -> tuple[list[str], list[list[str]]]:
+    """Return groups with variants, success and ranges: a header, and a row for each."""
     rows = [
         [
             group.name,
@@ -28,24 +42,23 @@ def describe_curriculum(curriculum: Curriculum) -> list[str]:
         ]
         for group in curriculum.groups
     ]
-    size = f"{counted(n_groups, 'group')}, {counted(n_levels, 'level')}"
-    lines = [
-        f"Curriculum over {', '.join(curriculum.parameters)}: {size}",
-        "",
-        *table_lines(["group", "variants", "success", "range"], rows),
-        "",
-    ]
-    if not curriculum.levels:
-        threshold = curriculum.success_threshold
-        learnt = all(group.success_rate >= threshold for group in curriculum.groups)
-        why = f": every group reaches {threshold:.0%} success" if learnt else ""
-        return [*lines, f"No levels{why}."]
-    levels = [
+    return ["group", "variants", "success", "range"], rows
+
+
+def level_table(curriculum: Curriculum) -> tuple[list[str], list[list[str]]]:
+    """Return levels with the weight of each group: a header, and a row for each."""
+    rows = [
         [str(number), level.dominant, *(f"{weight:.3g}" for weight in level.weights)]
         for number, level in enumerate(curriculum.levels, start=1)
     ]
-    names = [group.name for group in curriculum.groups]
-    return [*lines, *table_lines(["level", "for", *names], levels)]
+    return ["level", "for", *(group.name for group in curriculum.groups)], rows
+
+
+def describe_no_levels(curriculum: Curriculum) -> str:
+    """Return why a curriculum has no levels, as far as it tells."""
+    threshold = curriculum.success_threshold
+    learnt = all(group.success_rate >= threshold for group in curriculum.groups)
+    return f"No levels{f': every group reaches {threshold:.0%} success' if learnt else ''}."
 
 
 def describe_variants(variants: FloatArray, axes: Axes = ()) -> str:

@@ -6,7 +6,13 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from surmount.analysis.description import counted, describe_curriculum, describe_variants
+from surmount.analysis.description import (
+    counted,
+    describe_curriculum,
+    describe_no_levels,
+    group_table,
+    level_table,
+)
 from surmount.analysis.trust import describe_trust
 
 if TYPE_CHECKING:
@@ -24,26 +30,16 @@ def text_of(analysis: Analysis) -> str:
 def html_of(analysis: Analysis) -> str:
     """Return the same as two tables between sentences."""
     curriculum = analysis.curriculum
-    groups = [
-        (group.name, describe_variants(group.variants), f"{group.success_rate:.1%}")
-        for group in curriculum.groups
-    ]
-    levels = [
-        (str(number), level.dominant, *(f"{weight:.3g}" for weight in level.weights))
-        for number, level in enumerate(curriculum.levels, start=1)
-    ]
     variants = counted(len(analysis.variants), "variant")
     networks = counted(analysis.n_networks, "network")
-    names = [group.name for group in curriculum.groups]
     parts = [
         f"<p><b>{escape(describe_trust(analysis)[0])}</b></p>",
         f"<p>{variants} of {escape(', '.join(analysis.parameters))}, tried by {networks}.</p>",
-        _table(("group", "variants", "success"), groups),
+        _table(*group_table(curriculum)),
+        _table(*level_table(curriculum))
+        if curriculum.levels
+        else f"<p>{describe_no_levels(curriculum)}</p>",
     ]
-    if levels:
-        parts.append(_table(("level", "for", *names), levels))
-    else:
-        parts.append("<p>No levels: every group is learnt.</p>")
     parts += [f"<p>{escape(warning)}</p>" for warning in analysis.warnings]
     return "\n".join(parts)
 

@@ -25,6 +25,7 @@ from surmount.cli.options import Assignments, ConfigFile, Preset, Task, override
 from surmount.cli.workers import WorkerOptions, Workers
 from surmount.core.configuration import Arguments, override
 from surmount.core.errors import ConfigError
+from surmount.core.records import parse_json
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.presets import preset
@@ -147,7 +148,7 @@ def tables() -> tyro.constructors.ConstructorRegistry:
 
 def _table(words: list[str]) -> Arguments:
     try:
-        table = json.loads(words[0])
+        table = parse_json(words[0])
     except ValueError as error:
         raise ValueError(f"{words[0]} is no JSON ({error})") from error
     if not isinstance(table, dict):

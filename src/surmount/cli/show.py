@@ -78,8 +78,9 @@ def _changes_in_run(folder: Path) -> list[str]:
         return []
     lines: list[str] = []
     for name, stage in open_run(folder).stages.items():
-        file = stage.folder / TRAINING_FILE
-        changes = read_record(file).get("changes", ()) if file.is_file() else ()
+        if TRAINING_FILE not in stage.files:
+            continue
+        changes = read_record(stage.path(TRAINING_FILE)).get("changes", ())
         if changes:
             lines += ["", *describe_changes(f"What was practised in {name}, and why", changes)]
     return lines

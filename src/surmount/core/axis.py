@@ -356,6 +356,44 @@ def declared(axis: Axis, column: FloatArray, kind: AxisKind, name: str) -> tuple
     return new, stored_values(name, given, new)[which.reshape(-1)]
 
 
+def redeclared(
+    axes: Axes,
+    variants: FloatArray,
+    parameters: Sequence[str],
+    kinds: Mapping[str, AxisKind],
+    *,
+    called: str = "parameter",
+) -> tuple[Axes, FloatArray]:
+    """Return axes of which some are of other kinds, and what stands for the variants there.
+
+    Parameters
+    ----------
+    axes, variants, parameters
+        As they are; ``variants`` of shape ``(variant, parameter)``.
+    kinds
+        By parameter; numbers that are said to be categories are named as they are written.
+    called
+        What errors call a parameter.
+
+    Raises
+    ------
+    InputError
+        If there is no such parameter, or its values cannot lie on such an axis.
+    """
+    unknown = sorted(kinds.keys() - set(parameters))
+    if unknown:
+        raise InputError(
+            f"There is no {called} `{unknown[0]}`.",
+            remedy=f"Choose among {', '.join(parameters)}.",
+        )
+    found, moved = list(axes), variants.copy()
+    for place, name in enumerate(parameters):
+        kind = kinds.get(name, axes[place].kind)
+        if kind != axes[place].kind:
+            found[place], moved[:, place] = declared(axes[place], variants[:, place], kind, name)
+    return tuple(found), moved
+
+
 def stored_values(name: str, given: Sequence[object], axis: Axis) -> FloatArray:
     """Return the numbers that stand for values given by hand, shape ``(value,)``.
 

@@ -24,6 +24,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from surmount.core.errors import InputError, IntegrityError, SurmountError
 from surmount.core.records import canonical_json, parse_record, write_atomically
 from surmount.learn.mlp import ACTIVATIONS
+from surmount.workflow.earlier import renamed
 
 Tensors = dict[str, np.ndarray]
 SCHEMA = 1
@@ -170,10 +171,9 @@ def noise_correlation(network: Snapshot) -> float:
     if noise is None:
         return 0.0
     try:
-        time_s = noise["correlation_s"]
-        # Called the interval between decisions by the first networks with such noise.
-        interval_s = noise["step_s"] if "step_s" in noise else noise["decision_interval_s"]
-    except (KeyError, TypeError):
+        found = renamed(noise)
+        time_s, interval_s = found["correlation_s"], found["step_s"]
+    except (KeyError, TypeError, AttributeError):
         raise _wrong_record(NOISE, noise) from None
     if not (_is_positive(time_s) and _is_positive(interval_s)):
         raise _wrong_record(NOISE, noise)

@@ -17,8 +17,8 @@ from surmount.core.axis import (
     AxisKind,
     Value,
     axis_of_values,
-    declared,
     full_axes,
+    redeclared,
     stored_values,
     values_of,
     variant_text,
@@ -138,22 +138,12 @@ class TaskSpace:
         InputError
             If there is no such parameter, or its values cannot lie on such an axis.
         """
-        unknown = sorted(kinds.keys() - set(self.parameters))
-        if unknown:
-            raise InputError(
-                f"The task space has no parameter `{unknown[0]}`.",
-                remedy=f"It has {', '.join(self.parameters)}.",
-            )
-        axes, variants = list(self.axes), self.variants.copy()
+        axes, variants = redeclared(self.axes, self.variants, self.parameters, kinds)
         lower, upper = self.lower.copy(), self.upper.copy()
-        for place, name in enumerate(self.parameters):
-            kind = kinds.get(name, axes[place].kind)
-            if kind == axes[place].kind:
-                continue
-            axes[place], variants[:, place] = declared(axes[place], variants[:, place], kind, name)
-            if axes[place].categorical:
-                lower[place], upper[place] = 0.0, len(axes[place].names) - 1.0
-        return replace(self, lower=lower, upper=upper, variants=variants, axes=tuple(axes))
+        for place, (before, axis) in enumerate(zip(self.axes, axes, strict=True)):
+            if axis.categorical and axis != before:
+                lower[place], upper[place] = 0.0, len(axis.names) - 1.0
+        return replace(self, lower=lower, upper=upper, variants=variants, axes=axes)
 
     @property
     def whole_range(self) -> TaskDistribution:

@@ -13,8 +13,8 @@ from surmount.core.axis import (
     Axis,
     AxisKind,
     common_axes,
-    declared,
     full_axes,
+    redeclared,
     stored_values,
 )
 from surmount.core.errors import InputError
@@ -194,19 +194,10 @@ class Trials:
         InputError
             If there is no such parameter, or its values cannot lie on such an axis.
         """
-        unknown = sorted(kinds.keys() - set(self.parameters))
-        if unknown:
-            raise InputError(
-                f"The trials have no task parameter `{unknown[0]}`.",
-                remedy=f"They have {', '.join(self.parameters)}.",
-            )
-        axes, variant = list(self.axes), self.variant.copy()
-        for place, name in enumerate(self.parameters):
-            if name in kinds:
-                axes[place], variant[:, place] = declared(
-                    axes[place], variant[:, place], kinds[name], name
-                )
-        return replace(self, variant=variant, axes=tuple(axes))
+        axes, variant = redeclared(
+            self.axes, self.variant, self.parameters, kinds, called="task parameter"
+        )
+        return replace(self, variant=variant, axes=axes)
 
     @classmethod
     def concatenate(cls, parts: Sequence[Trials]) -> Trials:

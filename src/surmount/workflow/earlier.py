@@ -27,8 +27,13 @@ def up_to_date(record: Mapping[str, Any]) -> dict[str, Any]:
     if ":" in str(found.get("task", "")) and "obstacle" in record:
         found.pop("env", None)  # RSTAR's settings stood unused beside one's own environment
     if isinstance(found.get("env"), Mapping):
-        found["env"] = _renamed(found["env"], RENAMED)
+        found["env"] = renamed(found["env"])
     return found
+
+
+def renamed(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the record of a task's settings, or of what was taken from them, by today's names."""
+    return _renamed(record, RENAMED)
 
 
 def as_before(part: Mapping[str, Any]) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from surmount.report.figures.curves import (
     levels_of,
     tests_of,
 )
-from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, translucent
+from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, arm_lines, translucent
 from surmount.report.figures.plots import annotate, compact, hover, plot
 from surmount.report.figures.stills import axes_grid
 from surmount.teachers.teacher import Decision, LevelTest
@@ -73,14 +73,7 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
             "levels shaded and each level test marked."
         ),
         legend=(
-            *(
-                LegendEntry(
-                    text=ARM_STYLES[kind].name,
-                    colour=ARM_STYLES[kind].colour,
-                    shape={"dot": "dot", "solid": "line"}.get(ARM_STYLES[kind].dash, "dash"),  # type: ignore[arg-type]
-                )
-                for kind in TRAININGS
-            ),
+            *arm_lines(TRAININGS),
             LegendEntry(text="level extended", colour=INK, shape="ring"),
             LegendEntry(text="level passed", colour=INK, shape="triangle"),
             LegendEntry(text="left at the limit of extensions", colour=INK, shape="square"),

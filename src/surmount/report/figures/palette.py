@@ -6,8 +6,10 @@ too.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from surmount.report.document.parts import LegendEntry
 from surmount.workflow.run_layout import CONTROL, CURRICULUM, INITIATION
 
 INK = "#1c1c1c"
@@ -57,6 +59,19 @@ ARM_STYLES = {
     ),
 }
 """What was learnt on what: initiation, then either the curriculum or uniform variants."""
+
+
+def arm_lines(kinds: Sequence[str]) -> tuple[LegendEntry, ...]:
+    """Return the legend of lines in the styles of what was learnt."""
+    styles = [ARM_STYLES[kind] for kind in kinds]
+    return tuple(
+        LegendEntry(
+            text=style.name,
+            colour=style.colour,
+            shape={"dot": "dot", "solid": "line"}.get(style.dash, "dash"),  # type: ignore[arg-type]
+        )
+        for style in styles
+    )
 
 
 def group_colour(group: int) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure as StillFigure
 
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
-from surmount.report.figures.palette import ARM_STYLES, translucent
+from surmount.report.document.parts import Columns, Figure, Panel
+from surmount.report.figures.palette import ARM_STYLES, arm_lines, translucent
 from surmount.report.figures.plots import hover, plot
 from surmount.report.figures.stills import axes_grid
 from surmount.stats.profile import PerformanceProfile
@@ -32,14 +32,7 @@ def profiles(found: Mapping[str, PerformanceProfile]) -> Figure:
             ),
         ),
         alternative="Performance profiles of curriculum and control.",
-        legend=tuple(
-            LegendEntry(
-                text=ARM_STYLES[arm].name,
-                colour=ARM_STYLES[arm].colour,
-                shape="line" if ARM_STYLES[arm].dash == "solid" else "dash",
-            )
-            for arm in ARMS
-        ),
+        legend=arm_lines(ARMS),
         panels=(Panel(plot=_panel(found), height_px=300),),
         panel_width_px=480,
         still=lambda: _still(found),

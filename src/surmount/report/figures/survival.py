@@ -9,9 +9,9 @@ from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.arrays import FloatArray
 from surmount.report.comparison import Comparison, GroupComparison
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
+from surmount.report.document.parts import Columns, Figure, Panel
 from surmount.report.document.text import number, p_value, short
-from surmount.report.figures.palette import ARM_STYLES, translucent
+from surmount.report.figures.palette import ARM_STYLES, arm_lines, translucent
 from surmount.report.figures.plots import annotate, compact, hover, plot
 from surmount.report.figures.stills import axes_grid
 from surmount.stats.survival import KaplanMeier
@@ -36,14 +36,7 @@ def survival_curves(comparison: Comparison) -> Figure:
         alternative="Survival curves per group, curriculum against control: "
         + "; ".join(f"{entry.group}: {log_rank_text(entry)}" for entry in comparison.groups)
         + ".",
-        legend=tuple(
-            LegendEntry(
-                text=ARM_STYLES[arm].name,
-                colour=ARM_STYLES[arm].colour,
-                shape="line" if ARM_STYLES[arm].dash == "solid" else "dash",
-            )
-            for arm in ARMS
-        ),
+        legend=arm_lines(ARMS),
         panels=tuple(
             Panel(plot=_panel(entry, comparison.cap_s), height_px=290, title=entry.group)
             for entry in comparison.groups

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, get_args
 
 from surmount.core.errors import InputError
 from surmount.report.document.parts import (
@@ -25,7 +25,7 @@ from surmount.report.results import RunResults
 from surmount.report.sections.evidence import evidence_row, evidence_table
 from surmount.report.sections.grouping import group_table, level_table
 from surmount.report.sections.summary import notices
-from surmount.report.verdicts import UNTRAINED, Claim
+from surmount.report.verdicts import UNTRAINED, Claim, Verdict
 from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.evidence import (
     SeedInterval,
@@ -38,13 +38,13 @@ from surmount.stats.result import Result
 from surmount.studies.paper.section import claim_table
 from surmount.workflow.run_layout import ARMS, SCHEMA
 
-VERDICTS = ("reproduced", "partly", "not reproduced", "open")
+VERDICTS = get_args(Verdict)
 SEED = 0
 """Seed of the bootstrap over networks."""
 
 
-def overview_of(runs: Sequence[RunResults]) -> Document:
-    """Lay out the page of several runs, one per obstacle.
+def overview_of(runs: Sequence[RunResults], over_all: Together | None) -> Document:
+    """Lay out the page of several runs, one per obstacle, and of what they say together.
 
     Raises
     ------
@@ -59,7 +59,6 @@ def overview_of(runs: Sequence[RunResults]) -> Document:
         )
     claims = {_name(run): run.evidence.claims for run in runs}
     sections = [_obstacle(run, claims[_name(run)]) for run in runs]
-    over_all = together(runs)
     if over_all is not None:
         sections.insert(0, _together(over_all, runs))
     return Document(
@@ -78,9 +77,8 @@ def overview_of(runs: Sequence[RunResults]) -> Document:
     )
 
 
-def overview_record(runs: Sequence[RunResults]) -> dict[str, Any]:
+def overview_record(runs: Sequence[RunResults], over_all: Together | None) -> dict[str, Any]:
     """Return what the page of several runs concludes, in JSON form."""
-    over_all = together(runs)
     return {
         "schema": SCHEMA,
         "claims": {

@@ -34,9 +34,14 @@ def write_overview(roots: Sequence[Path | str], out: Path | str) -> Path:
     with extras_told():
         from surmount.report.results import read_run  # noqa: PLC0415 - an extra
         from surmount.report.writing import write_document  # noqa: PLC0415
-        from surmount.studies.paper.overview import overview_of, overview_record  # noqa: PLC0415
+        from surmount.studies.paper.overview import (  # noqa: PLC0415
+            overview_of,
+            overview_record,
+            together,
+        )
 
         runs = [read_run(Path(root)) for root in roots]
-        page = write_document(overview_of(runs), Path(out))
-        write_record(page.with_suffix(".json"), overview_record(runs))
+        over_all = together(runs)
+        page = write_document(overview_of(runs, over_all), Path(out))
+        write_record(page.with_suffix(".json"), overview_record(runs, over_all))
         return page

@@ -11,7 +11,7 @@ from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
 from surmount.studies.teachers.learning import LEARN
 from surmount.studies.teachers.plan import ORACLE, REFERENCE, TaskPlan
-from surmount.teachers.catalogue import SETTINGS
+from surmount.teachers.catalogue import SETTINGS, require_axes
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_layout import (
     ANALYSIS,
@@ -40,7 +40,16 @@ def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False)
         One per task.
     headroom_only
         Leave out all but the reference and the oracle, and all networks after the pilot.
+
+    Raises
+    ------
+    ConfigError
+        If a teacher cannot do with the axes of a task.
     """
+    for plan in plans:
+        space = plan.config.family.space(plan.config.env)
+        for name in plan.teachers:
+            require_axes(name, space)
     return [
         stage
         for plan in plans
