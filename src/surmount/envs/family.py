@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -56,6 +56,13 @@ class TaskFamily(ABC):
         """
         del settings
         return None
+
+    def published_returns(self) -> Mapping[str, tuple[float, float]]:
+        """Return what publications end at on the target tasks, from and to, by teacher.
+
+        The mean discounted return of the policy as it draws its actions.
+        """
+        return {}
 
     def difficulty(self, variants: FloatArray) -> FloatArray | None:
         """Return how hard variants are known to be, ``(variant,)``, larger is harder.
