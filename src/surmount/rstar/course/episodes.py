@@ -14,6 +14,8 @@ from surmount.rstar.course.obstacles import Obstacle, surface_m
 from surmount.rstar.course.start_poses import start_height_m
 
 _ONE: IntArray = np.array(1)
+_NOTHING: FloatArray = np.array(0.0)
+_ALL: FloatArray = np.array(1.0)
 
 
 class Episodes:
@@ -138,7 +140,7 @@ class Episodes:
         """
         start_m = self._course.fixed_start_m
         covered = (now.x_m - start_m) / (self._course.target_m - start_m)
-        return np.nan_to_num(np.clip(covered, 0.0, 1.0), nan=0.0)
+        return np.minimum(np.fmax(covered, _NOTHING), _ALL)  # the larger of NaN and 0 is 0
 
     @property
     def over(self) -> BoolArray:

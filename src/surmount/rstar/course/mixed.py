@@ -11,7 +11,7 @@ import numpy.typing as npt
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
-from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.core.axis import CONTINUOUS, Axis
 from surmount.core.errors import InputError
 from surmount.core.seeds import derive_seed
@@ -43,7 +43,7 @@ def sizes_mm(kind: Obstacle, hardness: FloatArray) -> FloatArray:
 def hardness(kind: Obstacle, sizes: FloatArray) -> FloatArray:
     """Return where sizes in mm lie between the easiest, 0, and the hardest, 1, of any shape."""
     easiest = kind.lower + kind.upper - kind.hardest
-    return (sizes - easiest) / (kind.hardest - easiest)
+    return (sizes - easiest) / (kind.hardest - easiest) + 0.0  # never -0
 
 
 class MixedVectorEnv:
@@ -102,6 +102,8 @@ class MixedVectorEnv:
         self._task: FloatArray = np.zeros((num_envs, 2))
         self._told: Observations = np.zeros((num_envs, bounds.size), dtype=np.float32)
         self._infos: Infos = {}
+        self._sources: dict[str, str] = {}
+        self._of_kind: list[IntArray] = []
 
     def set_task_distribution(self, distribution: TaskDistribution) -> None:
         """Draw the tasks of coming episodes from another distribution."""
@@ -154,13 +156,12 @@ class MixedVectorEnv:
         reward: FloatArray = np.zeros(self.num_envs)
         terminated: BoolArray = np.zeros(self.num_envs, dtype=np.bool_)
         truncated: BoolArray = np.zeros(self.num_envs, dtype=np.bool_)
-        for place, part in enumerate(self._parts):
-            own = self._task[:, 0] == place
-            if not own.any():
+        for own, part in zip(self._of_kind, self._parts, strict=True):
+            if not own.size:
                 continue
             observed, rewards, ended, cut, infos = part.step(actions)
             reward[own], terminated[own], truncated[own] = rewards[own], ended[own], cut[own]
-            self._take(own, place, observed, infos)
+            self._take(own, observed, infos)
         done = terminated | truncated
         final: Infos = {}
         if self._autoreset and done.any():
@@ -193,6 +194,12 @@ class MixedVectorEnv:
         self._task = np.array(state["task"])
         self._told = np.array(state["observed"])
         self._infos = {key: np.array(value) for key, value in state["infos"].items()}
+        self._sources = {
+            name: "variant" if name == "size_mm" else name
+            for name in self._infos
+            if name != "variant"
+        }
+        self._tell_kinds()
         self._streams.load_state(state["generators"])
         self._distribution = TaskDistribution.from_record(state["task_distribution"])
 
@@ -221,22 +228,33 @@ class MixedVectorEnv:
                     seed=None if seeds is None else seeds[place],
                     options={"variant": sizes, "reset_mask": own, "start": self._start},
                 )
-                self._take(own, place, observed, infos)
+                self._take(np.flatnonzero(own), observed, infos)
             part.park(envs & ~own)
+        self._tell_kinds()
 
-    def _take(self, envs: BoolArray, place: int, observed: Observations, infos: Infos) -> None:
+    def _tell_kinds(self) -> None:
+        """Note which environments are of each kind, and tell the policy."""
+        self._of_kind = [np.flatnonzero(self._task[:, 0] == place) for place in range(len(KINDS))]
+        flags = self._told[:, -1 - len(KINDS) : -1]
+        flags[:] = -1.0
+        for place, own in enumerate(self._of_kind):
+            flags[own, place] = 1.0
+        self._infos["variant"] = self._task.copy()
+
+    def _take(self, envs: IntArray, observed: Observations, infos: Infos) -> None:
         """Take what environments of one kind observed and told."""
-        kinds = len(KINDS)
-        self._told[envs, : -1 - kinds] = observed[envs, :-1]
-        self._told[envs, -1 - kinds : -1] = -1.0
-        self._told[envs, -1 - kinds + place] = 1.0
+        self._told[envs, : -1 - len(KINDS)] = observed[envs, :-1]
         self._told[envs, -1] = observed[envs, -1]
-        for key, values in infos.items():
-            if key.startswith("_"):
-                continue
-            name, new = ("size_mm", values[:, 0]) if key == "variant" else (key, values)
-            self._infos.setdefault(name, np.zeros_like(new))[envs] = new[envs]
-        self._infos.setdefault("variant", np.zeros((self.num_envs, 2)))[envs] = self._task[envs]
+        if not self._infos:
+            self._sources = {
+                key: key for key in infos if not key.startswith("_") and key != "variant"
+            } | {"size_mm": "variant"}
+            for name, key in self._sources.items():
+                shape = (self.num_envs,) if name == "size_mm" else infos[key].shape
+                self._infos[name] = np.zeros(shape, infos[key].dtype)
+        for name, key in self._sources.items():
+            new = infos[key]
+            self._infos[name][envs] = new[envs, 0] if name == "size_mm" else new[envs]
 
     def _copied(self) -> Infos:
         return {key: values.copy() for key, values in self._infos.items()}
