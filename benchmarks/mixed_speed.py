@@ -37,8 +37,8 @@ def main(rounds: int) -> None:
     medians = {name: float(np.median(times)) for name, times in taken.items()}
     alone = np.mean([medians[name] for name in NAMES[:-1]])
     for name, median in medians.items():
-        print(f"{name}: {1e3 * median:.2f} ms a step")  # noqa: T201
-    print(f"all / mean of the single ones: {medians['all'] / alone:.2f}")  # noqa: T201
+        print(f"{name}: {1e3 * median:.2f} ms a step")
+    print(f"all / mean of the single ones: {medians['all'] / alone:.2f}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""CPU time of learning on the point mass as published, of which the comparison has hundreds of runs.
+"""CPU time of learning on the point mass as published: the comparison has hundreds of such runs.
 
     OMP_NUM_THREADS=1 python benchmarks/point_mass_speed.py [STEPS]
 
-Uniform tasks, the learner of docs/results/teachers/plans/comparison.toml. Prints steps per second of
-process time, and what 819,200 steps take at that rate. On a busy machine compare versions by turns.
+Uniform tasks, the learner of docs/results/teachers/plans/comparison.toml. Prints steps per second
+of process time, and what 819,200 steps take so. On a busy machine compare versions by turns.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def main(steps: int) -> None:
     begun = time.process_time()
     trainer.run(SilentMonitor())
     rate = steps / (time.process_time() - begun)
-    print(f"{rate:,.0f} steps/s of CPU time; {WHOLE:,} steps take {WHOLE / rate:.0f} s")  # noqa: T201
+    print(f"{rate:,.0f} steps/s of CPU time; {WHOLE:,} steps take {WHOLE / rate:.0f} s")
 
 
 if __name__ == "__main__":
