@@ -61,6 +61,13 @@ class TaskFamily(ABC):
         del settings
         return None
 
+    def published_returns(self) -> Mapping[str, tuple[float, float]]:
+        """Return what publications end at on the target tasks, from and to, by teacher.
+
+        The mean discounted return of the policy as it draws its actions.
+        """
+        return {}
+
     def difficulty(self, variants: FloatArray) -> FloatArray | None:
         """Return how hard variants are known to be, ``(variant,)``, larger is harder.
 
