@@ -14,11 +14,10 @@ from surmount.report.results import TrainingResult
 from surmount.tasks.curriculum import Curriculum
 from surmount.tasks.regions import Regions
 
-
 PRACTISED = (
-    "Share of the episodes that were of each group, and in brackets of the learning steps that they "
-    "took, over all networks: a failed episode takes longer than one that succeeds, so that what is "
-    "hard takes more steps than draws."
+    "Share of the episodes that were of each group, and in brackets of the learning steps that "
+    "they took, over all networks: a failed episode takes longer than one that succeeds, so that "
+    "what is hard takes more steps than draws."
 )
 
 
