@@ -8,6 +8,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 from small import SMALL
+from traitlets.config import Config
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "docs" / "notebooks").glob("*.ipynb"))
 FAST = "from-logs-to-a-curriculum"
@@ -46,5 +47,7 @@ def test_it_runs(path, tmp_path):
         if "parameters" in cell.metadata.get("tags", ()):  # its own scale takes an hour
             cell.source = SMALLEST
     where = {"metadata": {"path": str(tmp_path)}}
-    NotebookClient(notebook, resources=where, timeout=600).execute()
+    # Through files, not through ports that others could listen at.
+    quietly = Config({"KernelManager": {"transport": "ipc"}})
+    NotebookClient(notebook, resources=where, timeout=1200, config=quietly).execute()
     assert all(cell.execution_count for cell in notebook.cells if cell.cell_type == "code")

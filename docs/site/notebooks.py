@@ -18,10 +18,13 @@ import pages
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import Files
 from nbclient import NotebookClient
+from traitlets.config import Config
 
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
+CONFIG = Config({"KernelManager": {"transport": "ipc"}})
+"""A kernel is talked to through files, not through ports that others could listen at."""
 KEPT = ROOT / "out" / "notebooks"
 FIGURE = '<div class="output">{}</div>'
 
@@ -60,6 +63,8 @@ def page(path: Path) -> str:
     lines = [first.source, "", f"*A notebook: [download it]({path.name}). {told}*"]
     for cell in cells:
         lines += ["", cell.source if cell.cell_type == "markdown" else _code(cell.source)]
+        if "quiet" in cell.metadata.get("tags", ()):
+            continue
         for output in cell.get("outputs", ()):
             lines += _shown(output)
     return "\n".join(lines) + "\n"
@@ -108,7 +113,8 @@ def _run(path: Path) -> Any:
         KEPT.mkdir(parents=True, exist_ok=True)
         work = KEPT / path.stem
         work.mkdir(exist_ok=True)
-        NotebookClient(notebook, resources={"metadata": {"path": str(work)}}, timeout=600).execute()
+        where = {"metadata": {"path": str(work)}}
+        NotebookClient(notebook, resources=where, timeout=1800, config=CONFIG).execute()
         nbformat.write(notebook, kept)
     return nbformat.read(kept, as_version=4)
 
