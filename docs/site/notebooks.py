@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,8 +24,6 @@ from traitlets.config import Config
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
-CONFIG = Config({"KernelManager": {"transport": "ipc"}})
-"""A kernel is talked to through files, not through ports that others could listen at."""
 KEPT = ROOT / "out" / "notebooks"
 FIGURE = '<div class="output">{}</div>'
 
@@ -106,6 +105,17 @@ def _image(kind: str, data: str) -> str:
     return f'<img alt="{html.escape("What the code above shows")}" src="data:{kind};base64,{data}">'
 
 
+def run(notebook: Any, folder: Path) -> None:
+    """Run a notebook in a folder, and put what it gives into it.
+
+    The kernel is talked to through files, not through ports that others could listen at.
+    """
+    with tempfile.TemporaryDirectory(prefix="kernel-") as sockets:
+        config = Config({"KernelManager": {"transport": "ipc", "ip": f"{sockets}/at"}})
+        where = {"metadata": {"path": str(folder)}}
+        NotebookClient(notebook, resources=where, timeout=1800, config=config).execute()
+
+
 def _run(path: Path) -> Any:
     kept = KEPT / f"{path.stem}-{_hash(path)}.ipynb"
     if not kept.exists():
@@ -113,8 +123,7 @@ def _run(path: Path) -> Any:
         KEPT.mkdir(parents=True, exist_ok=True)
         work = KEPT / path.stem
         work.mkdir(exist_ok=True)
-        where = {"metadata": {"path": str(work)}}
-        NotebookClient(notebook, resources=where, timeout=1800, config=CONFIG).execute()
+        run(notebook, work)
         nbformat.write(notebook, kept)
     return nbformat.read(kept, as_version=4)
 
