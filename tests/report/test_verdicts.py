@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from surmount.report.figures.plots import hover, plain
 
 from surmount.report.document.text import (
     SPACE,
@@ -14,7 +15,6 @@ from surmount.report.document.text import (
     percent,
     variant_range,
 )
-from surmount.report.figures.plots import hover, plain
 from surmount.report.verdicts import because, path_verdict, success_verdict, time_verdict
 from surmount.stats.logrank import log_rank
 from surmount.stats.mixed import MethodContrast
