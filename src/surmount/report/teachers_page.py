@@ -56,8 +56,8 @@ def document_of_teachers(record: Record) -> Document:
     best = max(teachers, key=lambda teacher: teacher["interquartile_mean"]["estimate"])
     highest = percent(best["interquartile_mean"]["estimate"])
     summary = [
-        f"Highest interquartile mean of success: {best['title']}, {highest}.",
         _sure(teachers),
+        f"Highest interquartile mean of success: {best['title']}, {highest}.",
     ]
     steps = sum(sum(teacher["steps"]) for teacher in teachers)
     notices: list[Notice] = []
@@ -68,7 +68,7 @@ def document_of_teachers(record: Record) -> Document:
         )
         notices.append(Notice(title="Too few networks", sentences=(few,)))
     if len(record["groups"]) == 1 and steps:
-        summary = summary[1:]
+        summary = summary[:1]
         notices.append(Notice(title="One group", sentences=(ONE_GROUP,)))
     if steps == 0:
         summary = ["There was nothing to teach, so nothing can be said of any teacher."]

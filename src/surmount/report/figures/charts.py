@@ -146,7 +146,7 @@ def tick_labels(
     places: Sequence[float], labels: Sequence[str], height: int, *, upright: bool = False
 ) -> alt.Chart:
     """Write labels below a horizontal axis whose own numbers would say nothing."""
-    turned = {"angle": 270, "align": "right"} if upright else {"align": "center"}
+    turned: dict[str, Any] = {"angle": 270, "align": "right"} if upright else {"align": "center"}
     return words(
         {"x": places, "text": [short(label) for label in labels]},
         y=alt.value(height + (6 if upright else 8)),
@@ -159,7 +159,7 @@ def layers(
     *charts: alt.Chart | alt.LayerChart, height: int, title: str | list[str] = ""
 ) -> alt.LayerChart:
     """Return one panel."""
-    whole = alt.layer(*charts).properties(height=height)
+    whole = alt.LayerChart(layer=list(charts), height=height)
     return whole.properties(title=title) if title else whole
 
 
@@ -225,7 +225,12 @@ def _named(panel: alt.Chart | alt.LayerChart, name: str) -> alt.Chart | alt.Laye
 
 def styled(chart: alt.ConcatChart) -> alt.ConcatChart:
     """Return a chart in the style of the page."""
-    label = {"labelColor": INK, "titleColor": INK, "labelFontSize": 11, "titleFontSize": 12}
+    label: dict[str, Any] = {
+        "labelColor": INK,
+        "titleColor": INK,
+        "labelFontSize": 11,
+        "titleFontSize": 12,
+    }
     return chart.configure(
         background=PAPER,
         font=FONT,

@@ -1,8 +1,8 @@
 """Colours that remain distinct without full colour vision, with their dashes and shapes.
 
-All come after Okabe & Ito (2008), darkened until they stand out from the paper with a contrast of at
-least 3 : 1, and each has a twin for dark pages. Arms and groups never share a colour, and whatever
-colour tells, a dash, a shape or a label tells too.
+All come after Okabe & Ito (2008), darkened until they stand out from the paper with a contrast of
+at least 3 : 1, and each has a twin for dark pages. Arms and groups never share a colour, and
+whatever colour tells, a dash, a shape or a label tells too.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import altair as alt
 
 from surmount.analysis.result import Analysis
@@ -86,17 +88,15 @@ def _matrix_panel(analysis: Analysis, stability: Stability) -> alt.LayerChart:
 
 def _success_panel(analysis: Analysis, stability: Stability | None) -> alt.LayerChart:
     labels, layer = variant_names(analysis), list[alt.Chart]()
-    bounded = stability is not None and analysis.in_a_row
+    bounds = None if stability is None or not analysis.in_a_row else stability.boundaries
     x = variant_axis(analysis, alt.X, "variant")
-    y_title = f"share of trials{' or replicates' if bounded else ''}"
-    if bounded:
+    y_title = f"share of trials{' or replicates' if bounds is not None else ''}"
+    if bounds is not None:
         rows = {
             "variant": labels[:-1],
-            "y": stability.boundaries,
-            "between": [f"{a} and {b}" for a, b in zip(labels, labels[1:], strict=False)],
-            "boundary": [
-                f"in {percent(float(share))} of the replicates" for share in stability.boundaries
-            ],
+            "y": bounds,
+            "between": [f"{a} and {b}" for a, b in itertools.pairwise(labels)],
+            "boundary": [f"in {percent(float(share))} of the replicates" for share in bounds],
         }
         layer.append(
             alt.Chart(frame(rows))
@@ -137,7 +137,7 @@ def _success_panel(analysis: Analysis, stability: Stability | None) -> alt.Layer
             shares(y_title), **styles(look, "color", "shape")
         ),
     ]
-    title = "Success, and boundaries" if bounded else "Success"
+    title = "Success, and boundaries" if bounds is not None else "Success"
     return layers(*layer, height=HEIGHT_PX, title=title)
 
 

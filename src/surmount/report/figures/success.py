@@ -179,8 +179,10 @@ def _bar_rows(bars: Bars, names: list[str]) -> dict[str, list[object]]:
             row = (
                 *(middle - half, middle + half, middle, success.rate or 0.0, lower, upper),
                 *(ARM_STYLES[kind].name, short(names[index])),
-                f"{integer(success.successes)} of {integer(success.trials)} trials: "
-                f"{percent(success.rate, 1)}",
+                (
+                    f"{integer(success.successes)} of {integer(success.trials)} trials: "
+                    f"{percent(success.rate, 1)}"
+                ),
                 percent_interval(lower, upper, 1),
             )
             for column, value in zip(columns.values(), row, strict=True):

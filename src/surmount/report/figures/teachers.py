@@ -46,8 +46,10 @@ def score_figure(record: Record) -> Figure:
         label="",
         title="Success by teacher",
         caption=(
-            "Rings: every network's interquartile mean over the variants. Dots and lines: that over "
-            "networks and variants, with its 95 % bootstrap interval.",
+            (
+                "Rings: every network's interquartile mean over the variants. Dots and lines: that "
+                "over networks and variants, with its 95 % bootstrap interval."
+            ),
         ),
         alternative="Rings for networks, and a dot with an interval, in one row per teacher: "
         + "; ".join(
@@ -121,8 +123,10 @@ def sampled_figure(record: Record) -> Figure:
     top = float(np.quantile(known, DARKEST)) if known.size else 1.0
     beyond = bool(known.size) and known.max() > top
     caption = [
-        "Episodes that ended in each twentieth of the training, over all networks; from none, "
-        f"white, to {percent(top)} of them on one variant, darkest."
+        (
+            "Episodes that ended in each twentieth of the training, over all networks; from none, "
+            f"white, to {percent(top)} of them on one variant, darkest."
+        )
     ]
     if beyond:
         caption.append(f"Few cells hold more, up to {percent(float(known.max()))}.")
@@ -159,7 +163,7 @@ def _map(title: str, share: FloatArray, labels: Sequence[str], top: float) -> al
         {
             "x": 100 * part / parts,
             "x2": 100 * (part + 1) / parts,
-            "variant": [short(labels[index]) for index in variant],
+            "variant": [short(labels[int(index)]) for index in variant],
             "share": share.ravel(),
             "time": [
                 f"{100 * index / parts:.0f} to {100 * (index + 1) / parts:.0f} % of the training"
@@ -181,7 +185,7 @@ def _map(title: str, share: FloatArray, labels: Sequence[str], top: float) -> al
                 "variant:N",
                 title="variant",
                 scale=alt.Scale(domain=[short(label) for label in labels[::-1]], padding=0),
-                axis=alt.Axis(values=[short(labels[tick]) for tick in ticks], grid=False),
+                axis=alt.Axis(values=[short(labels[int(tick)]) for tick in ticks], grid=False),
             ),
             x2="x2:Q",
             fill=alt.Fill(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import altair as alt
 import numpy as np
@@ -113,7 +114,7 @@ def variant_names(analysis: Analysis) -> list[str]:
 
 
 def variant_axis(
-    analysis: Analysis, channel: type[alt.X] | type[alt.Y], field: str, **options: float
+    analysis: Analysis, channel: type[alt.X] | type[alt.Y], field: str, **options: Any
 ) -> alt.X | alt.Y:
     """Return an axis on which the variants stand in a row."""
     labels = variant_names(analysis)
