@@ -154,9 +154,10 @@ def _levels(results: RunResults) -> list[str]:
     if not ends:
         return []
     total = sum(ends.values())
-    limit = ends["advance at the limit"]
-    return [
-        f"Of {counted(total, 'level')} that ended over all networks, {total - limit} "
-        f"{'was' if total - limit == 1 else 'were'} passed because reward grew no further "
-        f"(eq. 5), and {limit} left at the limit of extensions."
-    ]
+    passed = total - ends["advance at the limit"]
+    sentence = (
+        f"Of {counted(total, 'level')} that ended over all networks, {passed} "
+        f"{'was' if passed == 1 else 'were'} passed because reward grew no further (eq. 5), and "
+        f"{total - passed} left at the limit of extensions."
+    )
+    return [sentence]

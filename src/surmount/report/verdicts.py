@@ -7,7 +7,7 @@ from typing import Literal
 
 from surmount.core.arrays import FloatArray
 from surmount.report.comparison import GroupComparison
-from surmount.report.document.text import p_value, significant, signed
+from surmount.report.document.text import p_value, signed, significant
 from surmount.stats.logrank import LogRank
 from surmount.stats.mixed import MethodContrast
 from surmount.stats.proportions import ProportionTest
