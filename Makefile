@@ -9,7 +9,7 @@ DEMO_OBSTACLE ?= low-entrance
 
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow nightly check audit bench docs clean
+.PHONY: demo test test-slow nightly check audit bench docs vega clean
 
 demo: $(READY)  ## the whole method on one obstacle at reduced scale, with a report at the end
 	$(BIN)/surmount reproduce $(DEMO_OBSTACLE) --preset smoke --out $(DEMO_OUT)
@@ -54,6 +54,9 @@ $(READY): pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	touch $@
+
+vega: $(READY)  ## pack the script that draws figures in pages, in the versions of the vl-convert installed
+	$(BIN)/python -c 'from pathlib import Path; from surmount.report.document.vega import PACKED, bundle; Path("src/surmount/report/templates", PACKED).write_bytes(bundle())'
 
 clean:  ## remove the environment and the demo's output
 	rm -rf $(VENV) out

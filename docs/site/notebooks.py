@@ -25,6 +25,9 @@ DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
 KEPT = ROOT / "out" / "notebooks"
+STILL = """import altair
+altair.renderers.enable("svg")"""
+"""Charts as pictures: as they are in Jupyter they would fetch what draws them from a network."""
 FIGURE = '<div class="output">{}</div>'
 
 
@@ -82,12 +85,7 @@ def _shown(output: Any) -> Iterator[str]:
             yield from ("", f"```text\n{output.text.rstrip()}\n```")
         return
     data = output.data
-    charts = [kind for kind in data if kind.startswith("application/vnd.vegalite")]
-    if charts:
-        import vl_convert  # noqa: PLC0415 - where there are charts
-
-        yield from ("", FIGURE.format(_inline(vl_convert.vegalite_to_svg(data[charts[0]]))))
-    elif "image/svg+xml" in data:
+    if "image/svg+xml" in data:
         yield from ("", FIGURE.format(_inline(data["image/svg+xml"])))
     elif "image/png" in data:
         yield from ("", FIGURE.format(_image("image/png", data["image/png"])))
@@ -123,7 +121,9 @@ def _run(path: Path) -> Any:
         KEPT.mkdir(parents=True, exist_ok=True)
         work = KEPT / path.stem
         work.mkdir(exist_ok=True)
+        notebook.cells.insert(0, nbformat.v4.new_code_cell(STILL))
         run(notebook, work)
+        del notebook.cells[0]
         nbformat.write(notebook, kept)
     return nbformat.read(kept, as_version=4)
 
