@@ -250,6 +250,17 @@ class Experiment:
         """
         return read_record(self._file(STATISTICS, STATISTICS_FILE))
 
+    @property
+    def comparison(self) -> dict[str, Any]:
+        """Teachers compared at equal budgets, as a record.
+
+        Raises
+        ------
+        OutputError
+            If :meth:`compare` has not come so far.
+        """
+        return read_record(self._file(COMPARISON, COMPARISON_FILE))
+
     def _file(self, stage: str, name: str) -> Path:
         artefact = self.found.stages.get(stage)
         if artefact is None:
