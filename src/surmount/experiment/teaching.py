@@ -26,7 +26,7 @@ from surmount.teachers.catalogue import (
     TEACHERS,
     TeachersConfig,
     find_teacher,
-    require_axes,
+    require_space,
 )
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_folder import open_run
@@ -76,7 +76,7 @@ def comparison_graph(
     names = tuple(dict.fromkeys([*OWN_ARMS, *teachers]))
     space = config.family.space(config.env)
     for name in names:
-        require_axes(name, space)
+        require_space(name, space, teaching)
     graph = protocol(config)
     for name in names:
         if name not in OWN_ARMS:

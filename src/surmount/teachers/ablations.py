@@ -103,6 +103,29 @@ def by_parameter_distance(
     # Not fcluster: with equal heights it returns fewer groups than it is asked for.
     labels = hierarchy.cut_tree(links, n_clusters=len(curriculum.groups))[:, 0]
     members, rates = rank_groups(relabelled(labels.astype(np.int64)), success_rate)
+    return with_some_level(curriculum, variants, members, rates, config)
+
+
+def with_some_level(
+    curriculum: Curriculum,
+    variants: FloatArray,
+    members: list[IntArray],
+    rates: list[float],
+    config: AnalysisConfig,
+) -> Curriculum:
+    """Return a curriculum of other groups; the hardest has a level, though all may succeed.
+
+    Parameters
+    ----------
+    curriculum
+        The paper's; it gives parameters, axes and threshold.
+    variants
+        All of them, ``(variant, parameter)``.
+    members, rates
+        Of each group in order of complexity, the variants by index and their success.
+    config
+        Weights and bounds.
+    """
     made = _curriculum(curriculum, variants, members, rates, config)
     return made if made.levels else _with_levels(made, 1, config)
 

@@ -24,6 +24,11 @@ from surmount.teachers.cell_groups import CellGroups
 from surmount.teachers.currot import CurrotConfig, CurrotTeacher
 from surmount.teachers.frontier import FrontierTeacher
 from surmount.teachers.frontier_config import FrontierConfig
+from surmount.teachers.given_groups import (
+    GivenGroupsConfig,
+    given_groups,
+    require_boundaries,
+)
 from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.learning_progress import LearningProgressConfig, LearningProgressTeacher
 from surmount.teachers.levels import LevelTeacher
@@ -39,6 +44,9 @@ from surmount.teachers.uniform import UniformTeacher
 @dataclass(frozen=True, kw_only=True)
 class TeachersConfig:
     """Settings of the teachers that have some."""
+
+    given_groups: GivenGroupsConfig = field(default_factory=GivenGroupsConfig)
+    """Groups that somebody gives."""
 
     alp_gmm: AlpGmmConfig = field(default_factory=AlpGmmConfig)
     """ALP-GMM."""
@@ -160,15 +168,18 @@ class Entry:
     ordered: bool = False
 
 
-def require_axes(name: str, space: TaskSpace) -> None:
+def require_space(name: str, space: TaskSpace, teachers: TeachersConfig) -> None:
     """Refuse a teacher that cannot do with a space of tasks, before anything is trained.
 
     Raises
     ------
     ConfigError
-        If there is none of this name, or its method makes no sense on an axis.
+        If there is none of this name, its method makes no sense on an axis, or its settings do not
+        fit the tasks.
     """
     entry = find_teacher(name)
+    if name == GIVEN_GROUPS:
+        require_boundaries(teachers.given_groups, space)
     if entry.method:
         require_distances(space.axes, space.parameters, entry.method)
     if entry.ordered and space.harder is None:
@@ -197,7 +208,10 @@ def make_teacher(name: str, context: TeacherContext) -> Teacher:
     return find_teacher(name).make(context)
 
 
+GIVEN_GROUPS = "given-groups"
+
 SETTINGS = {
+    GIVEN_GROUPS: "given_groups",
     "alp-gmm": "alp_gmm",
     "plr": "plr",
     "learning-progress": "learning_progress",
@@ -262,6 +276,17 @@ def _random_order(context: TeacherContext) -> Teacher:
 def _parameter_distance(context: TeacherContext) -> Teacher:
     made = ablations.by_parameter_distance(
         context.curriculum, context.variants, context.success_rate, context.analysis
+    )
+    return _levels(made, context)
+
+
+def _given_groups(context: TeacherContext) -> Teacher:
+    made = given_groups(
+        context.curriculum,
+        context.variants,
+        context.success_rate,
+        context.teachers.given_groups,
+        context.analysis,
     )
     return _levels(made, context)
 
@@ -340,6 +365,12 @@ TEACHERS = {
         title="groups by distance of parameters",
         source=f"ablation of {_PAPER}",
         make=_parameter_distance,
+        by_trials=True,
+    ),
+    GIVEN_GROUPS: Entry(
+        title="groups that are given",
+        source=f"levels and test of {_PAPER} over groups of somebody else's",
+        make=_given_groups,
         by_trials=True,
     ),
     "stepwise": Entry(

@@ -11,7 +11,7 @@ from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
 from surmount.studies.teachers.learning import LEARN
 from surmount.studies.teachers.plan import ORACLE, REFERENCE, TaskPlan
-from surmount.teachers.catalogue import SETTINGS, require_axes
+from surmount.teachers.catalogue import SETTINGS, require_space
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_layout import (
     ANALYSIS,
@@ -49,7 +49,7 @@ def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False)
     for plan in plans:
         space = plan.config.family.space(plan.config.env)
         for name in plan.teachers:
-            require_axes(name, space)
+            require_space(name, space, plan.teaching)
     return [
         stage
         for plan in plans
