@@ -224,7 +224,7 @@ def _frame(env: TaskEnv, most_px: int | None) -> Frame:
     height, width = frame.shape[:2]
     share = 1.0 if most_px is None else min(1.0, most_px / max(height, width))
     # Even sides, as films must have them.
-    size = tuple(max(2, int(side * share) // 2 * 2) for side in (width, height))
+    across, down = (max(2, int(side * share) // 2 * 2) for side in (width, height))
     if share < 1.0:
-        return np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.BOX))
-    return np.ascontiguousarray(frame[: size[1], : size[0]])
+        return np.asarray(Image.fromarray(frame).resize((across, down), Image.Resampling.BOX))
+    return np.ascontiguousarray(frame[:down, :across])
