@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from surmount.core.arrays import FloatArray, IntArray
@@ -38,12 +39,15 @@ class TaskFamily(ABC):
         A frozen dataclass with a default for every field.
     initial_steps
         Learning steps of the initiation at the paper's scale.
+    calibrated
+        What presets change for this family, by dotted keys of the experiment's configuration.
     """
 
     name: str
     title: str
     settings: type[Any] = NoSettings
     initial_steps: int = USUAL_INITIAL_STEPS
+    calibrated: Mapping[str, Any] = MappingProxyType({})
 
     @abstractmethod
     def space(self, settings: Any) -> TaskSpace:
