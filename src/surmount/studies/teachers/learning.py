@@ -122,7 +122,8 @@ def _teacher(
             variants=analysis.variants,
             success_rate=analysis.success_rate,
             whole_range=space.whole_range,
-            harder=space.harder or harder_by_success(analysis.variants, analysis.success_rate),
+            harder=space.harder
+            or harder_by_success(analysis.variants, analysis.success_rate, analysis.axes),
             total_steps=steps,
             seed=context.seed,
             environments=int(config["learner"]["num_envs"]),
