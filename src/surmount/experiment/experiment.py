@@ -206,7 +206,7 @@ class Experiment:
             Told of films.
         """
         if films_too:
-            films(self.folder, say)
+            films(self.folder, say, own=True)
         compared = self.found.stages.get(COMPARISON)
         if compared is not None:
             write_teachers_report(read_record(compared.path(COMPARISON_FILE)), self.folder)
