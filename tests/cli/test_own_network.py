@@ -62,6 +62,15 @@ def test_it_is_drawn_by_the_environments_own_render(network, tmp_path, capsys):
         assert drawn.n_frames > 1
 
 
+@pytest.mark.parametrize(("more", "said"), [
+    (["--variant", "far"], "far"),
+    (["--set", "learner.num_envs=3"], "`learner.num_envs` would do nothing here"),
+])  # fmt: skip
+def test_what_cannot_be_drawn_or_would_do_nothing_is_refused(network, more, said, tmp_path, capsys):
+    assert run(["render", str(network), *more, "--out", str(tmp_path / "film.gif")]) in (2, 3)
+    assert said in capsys.readouterr().err
+
+
 def test_an_environment_of_ones_own_needs_no_mujoco():
     found = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, "-c", WITHOUT_MUJOCO, str(SUPPORT)],

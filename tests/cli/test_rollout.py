@@ -194,6 +194,12 @@ def test_what_is_no_policy_is_said_in_a_sentence(name, sentence, tmp_path, capsy
             "2 names are given",
         ),
         (("constant",), "trials.txt", (), "is neither a .parquet nor a .csv file"),
+        (
+            ("constant",),
+            "trials.parquet",
+            ("--set", "learner.batch_size=3"),
+            "`learner.batch_size` would do nothing here",
+        ),
     ],
 )
 def test_what_is_asked_wrongly_is_said_before_anything_is_tried(

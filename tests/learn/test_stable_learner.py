@@ -89,6 +89,7 @@ def test_a_schedule_falls_over_the_steps_that_the_configuration_gives():
 
 def test_a_function_of_the_users_makes_the_model(tmp_path, monkeypatch):
     (tmp_path / "of_hers.py").write_text(
+        "import torch\n"
         "from stable_baselines3 import PPO\n"
         "def make_model(env):\n"
         "    return PPO('MlpPolicy', env, n_steps=16, batch_size=16)\n"
@@ -96,6 +97,10 @@ def test_a_function_of_the_users_makes_the_model(tmp_path, monkeypatch):
         "    return PPO('MlpPolicy', env, n_steps=16, batch_size=16, seed=7)\n"
         "def make_nothing(env):\n"
         "    return 3\n"
+        "def make_foreign(env):\n"  # as SBX: a policy in name, its weights elsewhere
+        "    model = make_model(env)\n"
+        "    model.policy = type('JaxPolicy', (torch.nn.Module,), {})()\n"
+        "    return model\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     trainings = [
@@ -107,7 +112,11 @@ def test_a_function_of_the_users_makes_the_model(tmp_path, monkeypatch):
     weights = [one.network.tensors["policy/action_net.weight"] for one in trainings]
     assert (weights[0] != weights[1]).any()
     assert tried(trainings[0].network, ("box", "box")).n_trials == 6
-    for name, said in (("make_seeded", "all networks would be alike"), ("make_nothing", "int")):
+    for name, said in (
+        ("make_seeded", "all networks would be alike"),
+        ("make_nothing", "int"),
+        ("make_foreign", "JaxPolicy, has no weights of PyTorch"),
+    ):
         with pytest.raises(ConfigError, match=said):
             trainer(config_of(f"of_hers:{name}", {}), ("box", "box"))
 

@@ -7,7 +7,7 @@ import ctypes.util
 import numpy as np
 import pytest
 
-from surmount.rstar.course.rendering import has_display
+from surmount.envs.screen import has_display
 
 needs_graphics = pytest.mark.skipif(
     not (has_display() or any(ctypes.util.find_library(name) for name in ("EGL", "OSMesa"))),

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.cli.options import Assignments, ConfigFile, environment_overrides
 from surmount.core.printing import say
 
 
@@ -53,7 +53,7 @@ def evaluate(
         RolloutConfig(repetitions=repetitions, deterministic=deterministic),
         task=task,
         variants=variant,
-        changes=overrides(config, set),
+        changes=environment_overrides(config, set, whole_file=True),
         seed=seed,
         monitor=SilentMonitor(),
     )

@@ -39,3 +39,31 @@ def overrides(file: Path | None, assignments: Sequence[str]) -> dict[str, Any]:
             )
         changes[key.strip()] = value.strip()
     return changes
+
+
+def environment_overrides(
+    file: Path | None, assignments: Sequence[str], *, whole_file: bool = False
+) -> dict[str, Any]:
+    """Return overrides for a verb that takes nothing but the environment from a configuration.
+
+    Parameters
+    ----------
+    file, assignments
+        As :func:`overrides` takes them.
+    whole_file
+        Whether the file may be the whole configuration of a run, of which the rest is passed over.
+
+    Raises
+    ------
+    ConfigError
+        If another key is given: it would do nothing.
+    """
+    refused = overrides(None if whole_file else file, assignments)
+    idle = [key for key in refused if key not in ("env", "task") and not key.startswith("env.")]
+    if idle:
+        raise ConfigError(
+            f"`{idle[0]}` would do nothing here: only the environment's own keys count.",
+            remedy="Give keys that begin with `env.`; how to try is said by options such as "
+            "--repetitions and --seed.",
+        )
+    return overrides(file, assignments)

@@ -81,28 +81,36 @@ def _rendered_own(shown: Shown, out: Path, fps: int | None) -> bool:
     """Draw a network on anybody's environment by its own ``render``; return whether it is one."""
     import numpy as np
 
-    from surmount.envs.video import FILM_WRITERS, write_png
+    from surmount.cli.options import environment_overrides
+    from surmount.envs.video import FILM_WRITERS, GIF_FPS, write_png
+    from surmount.experiment.evaluation import tasks_within
     from surmount.experiment.own_films import film_network, own_network
 
     found = own_network(
-        Path(shown.source), task=shown.task, stage=shown.stage, network=shown.network or 0
+        Path(shown.source),
+        task=shown.task,
+        stage=shown.stage,
+        network=shown.network or 0,
+        changes=environment_overrides(shown.config, shown.set, whole_file=True),
     )
     if found is None:
         return False
-    network, family = found
-    count = len(family.make().space.parameters)
+    network, family, settings = found
+    chosen = tasks_within(family.space(settings), shown.variant) if shown.variant else ()
     episodes = [
         *film_network(
             network,
             family,
-            variants=[np.array(task) for task in np.reshape(shown.variant, (-1, count))],
+            variants=list(chosen),
             seed=shown.seed or 0,
             deterministic=shown.deterministic,
+            settings=settings,
         )
     ]
     frames = [frame for episode in episodes for frame in episode.frames]
     if out.suffix in FILM_WRITERS:
-        FILM_WRITERS[out.suffix](out, frames, fps or max(1, round(1 / episodes[0].step_s)))
+        rate = min(GIF_FPS, max(1, round(1 / episodes[0].step_s)))
+        FILM_WRITERS[out.suffix](out, frames, fps or rate)
     else:
         write_png(out, np.concatenate([episode.frames[-1] for episode in episodes], axis=1))
     for episode in episodes:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import tyro
 
-from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.cli.options import Assignments, ConfigFile, environment_overrides
 from surmount.core.errors import ConfigError
 from surmount.core.printing import say
 
@@ -66,7 +66,7 @@ def rollout(
     from surmount.workflow.store import output_errors
 
     torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
-    chosen = configured(preset(environment, "paper"), overrides(config, set))
+    chosen = configured(preset(environment, "paper"), environment_overrides(config, set))
     tries = RolloutConfig(repetitions=repetitions, deterministic=deterministic)
     loaded = {name: load_policy(function) for name, function in named.items()}
     parts = {}

@@ -22,8 +22,9 @@ class Shown:
     stage: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
     """Stage of a run's folder, such as curriculum/network-0 for the network trained there, or
     test-curriculum/network-0 for trials; the furthest trained network 0 if left out."""
-    variant: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM ...")] = ()
-    """Sizes of the obstacle in mm, one after the other; the hardest if left out."""
+    variant: Annotated[tuple[str, ...], tyro.conf.arg(metavar="VALUE ...")] = ()
+    """Sizes of the obstacle in mm, or tasks of your own environment as `surmount evaluate` takes
+    them, one after the other; the hardest, or the last, if left out."""
     trial: Annotated[tuple[int, ...], tyro.conf.arg(metavar="N ...")] = ()
     """Numbers of logged trials, one after the other; the first if left out."""
     network: Annotated[int | None, tyro.conf.arg(metavar="N")] = None

@@ -125,4 +125,4 @@ class TaskBatch:
         return stacked(self._observations, self.single_observation_space)
 
     def _told(self) -> dict[str, Any]:
-        return {key: np.stack([info[key] for info in self._infos]) for key in KEYS}
+        return {key: np.array([info[key] for info in self._infos]) for key in KEYS}

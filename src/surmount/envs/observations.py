@@ -104,11 +104,16 @@ def add_task(observation: Any, place: FloatArray, space: Space) -> Any:
     """Return an observation with a task added, in the space that :func:`with_task` gave."""
     if isinstance(space, spaces.Dict):
         return {**observation, "task": place.astype(np.float32)}
-    return np.concatenate([np.asarray(observation).ravel(), place]).astype(space.dtype)
+    whole = np.empty(space.shape or (), dtype=space.dtype)
+    whole[: -len(place)] = np.ravel(observation)
+    whole[-len(place) :] = place
+    return whole
 
 
 def is_finite(observation: Any) -> bool:
     """Whether all numbers of an observation are finite."""
+    if isinstance(observation, np.ndarray):  # nearly always, and at every step
+        return observation.dtype.kind != "f" or bool(np.isfinite(observation).all())
     if isinstance(observation, Mapping):
         return all(map(is_finite, cast("Mapping[Any, Any]", observation).values()))
     if isinstance(observation, tuple | list):
@@ -137,10 +142,10 @@ def stacked(observations: Sequence[Any], space: Space) -> Any:
     """Return observations of several environments as one, row by row; dictionaries by entry."""
     if isinstance(space, spaces.Dict):
         return {
-            name: np.stack([np.asarray(one[name], dtype=part.dtype) for one in observations])
+            name: np.array([np.asarray(one[name], dtype=part.dtype) for one in observations])
             for name, part in space.spaces.items()
         }
-    return np.stack([np.asarray(one) for one in observations])
+    return np.array([np.asarray(one) for one in observations])
 
 
 def row(observations: Any, index: int) -> Any:

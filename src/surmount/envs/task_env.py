@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
@@ -126,6 +127,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._observe_task = observe_task
         self._text = text_entries(env.observation_space)
         self._rng = np.random.default_rng()
+        self._inner = env.unwrapped
         self._take_space(space)
 
     def declare_axes(self, kinds: Mapping[str, AxisKind]) -> None:
@@ -203,12 +205,12 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
         reward = float(reward)  # type: ignore[arg-type]
-        diverged = not (is_finite(observation) and np.isfinite(reward))
+        diverged = not (math.isfinite(reward) and is_finite(observation))
         if diverged:
             self.unusable = observation
             observation, reward, terminated = self._observation, 0.0, True
         transition = Transition(
-            env=self.env.unwrapped,
+            env=self._inner,
             observation=observation,
             reward=reward,
             terminated=bool(terminated),
@@ -257,9 +259,10 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         else:
             options = {**options, self._set_task: named}
         observation, info = self.env.reset(seed=episode_seed, options=options or None)
+        self._inner = self.env.unwrapped  # a wrapper may have chosen another one for the task
         self._observation = observation
         transition = Transition(
-            env=self.env.unwrapped,
+            env=self._inner,
             observation=observation,
             reward=0.0,
             terminated=False,
@@ -280,6 +283,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def _begin_record(self, task: FloatArray, episode_seed: int) -> None:
         self._task = np.array(task, dtype=np.float64)
+        self._place = self._observed_task()
         self._episode_seed = episode_seed
         self._actions: list[Any] = []
         self._observation: Any = None
@@ -320,15 +324,17 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     def _seen(self, observation: Any) -> Any:
         if self._text:
             observation = {k: part for k, part in observation.items() if k not in self._text}
-        if not self._observe_task:
+        if self._place is None:
             return observation
+        return add_task(observation, self._place, self.observation_space)
+
+    def _observed_task(self) -> FloatArray | None:
+        """Return the task as a network can read it; ``None`` where it is not observed."""
+        if not self._observe_task:
+            return None
         space = self.space
-        place = [
-            number
-            for axis, *ends in zip(space.axes, self._task, space.lower, space.upper, strict=True)
-            for number in axis.observed(*ends)
-        ]
-        return add_task(observation, np.asarray(place), self.observation_space)
+        ends = zip(space.axes, self._task, space.lower, space.upper, strict=True)
+        return np.array([number for axis, *place in ends for number in axis.observed(*place)])
 
 
 def _listed(variant: Any) -> list[Any]:

@@ -87,7 +87,7 @@ def evaluate_network(
     chosen = config_of(str(path), run=run, network=network, task=task, changes=changes)
     family, settings = chosen.family, chosen.env
     space = family.space(settings)
-    tried = _within(space, variants) if variants else space.variants
+    tried = np.unique(tasks_within(space, variants), axis=0) if variants else space.variants
     env = family.trial_env(settings, len(tried) * config.repetitions)
     try:
         actor = make_actor(network, env.single_observation_space, env.single_action_space)
@@ -97,8 +97,14 @@ def evaluate_network(
     return Evaluation(task=family.name, space=space, cap_s=family.cap_s(settings), trials=trials)
 
 
-def _within(space: TaskSpace, values: Sequence[float | str]) -> FloatArray:
-    """Return chosen tasks, each once, if they lie within the range."""
+def tasks_within(space: TaskSpace, values: Sequence[float | str]) -> FloatArray:
+    """Return tasks, ``(task, parameter)``, as a user writes them one value after the other.
+
+    Raises
+    ------
+    InputError
+        If a value is missing, is none of a parameter's names, or lies outside the range.
+    """
     count = len(space.parameters)
     if len(values) % count:
         raise InputError(
@@ -114,4 +120,4 @@ def _within(space: TaskSpace, values: Sequence[float | str]) -> FloatArray:
             f"{tasks[task, parameter]:g} is no {space.parameters[parameter]} of this task.",
             remedy=f"Give values from {space.lower[parameter]:g} to {space.upper[parameter]:g}.",
         )
-    return np.unique(tasks, axis=0)
+    return tasks

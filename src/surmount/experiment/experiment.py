@@ -206,7 +206,7 @@ class Experiment:
             Told of films.
         """
         if films_too:
-            films(self.folder, say)
+            films(self.folder, say, own=True)
         compared = self.found.stages.get(COMPARISON)
         if compared is not None:
             write_teachers_report(read_record(compared.path(COMPARISON_FILE)), self.folder)
@@ -249,6 +249,17 @@ class Experiment:
             If the run has not come so far.
         """
         return read_record(self._file(STATISTICS, STATISTICS_FILE))
+
+    @property
+    def comparison(self) -> dict[str, Any]:
+        """Teachers compared at equal budgets, as a record.
+
+        Raises
+        ------
+        OutputError
+            If :meth:`compare` has not come so far.
+        """
+        return read_record(self._file(COMPARISON, COMPARISON_FILE))
 
     def _file(self, stage: str, name: str) -> Path:
         artefact = self.found.stages.get(stage)

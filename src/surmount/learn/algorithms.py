@@ -202,6 +202,13 @@ def _model_of_function(name: str, env: VecEnv, seed: int) -> BaseAlgorithm:
             "Stable-Baselines3's kind with a policy of PyTorch.",
             remedy="Return a model such as stable_baselines3.PPO, or a subclass of your own.",
         )
+    if not any(True for _ in policy.parameters()):  # as SBX's, whose weights are JAX's
+        raise ConfigError(
+            f"The policy of `{name}`, {type(policy).__name__}, has no weights of PyTorch: they "
+            "could be neither saved nor tried.",
+            remedy="Return a model whose policy learns in PyTorch; of SBX (JAX), take the "
+            "algorithm of the same name in Stable-Baselines3 or sb3-contrib.",
+        )
     if model.seed is not None:
         raise ConfigError(
             f"`{name}` gives its model a seed, {model.seed}: all networks would be alike.",

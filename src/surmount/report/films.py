@@ -7,9 +7,12 @@ from pathlib import Path
 from typing import Any, cast
 
 from surmount.core.errors import IntegrityError
-from surmount.core.records import file_hash
+from surmount.core.records import file_hash, read_record
 from surmount.workflow.run_folder import RunFolder
-from surmount.workflow.run_layout import FILM_FOLDER, FILMS, read_run_record
+from surmount.workflow.run_layout import FILM_FOLDER, FILMS, SCHEMA, read_run_record
+
+FIRST_TRIAL = "always the first trial of the first network, whatever happened in it"
+"""What is shown where a record names no rule."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -20,12 +23,14 @@ class FilmedTrial:
     ----------
     kind
         What had been learnt: ``"initiation"``, ``"curriculum"`` or ``"control"``.
-    size_mm
-        Size of the obstacle.
+    variant
+        Which variant is shown, in words.
+    rule
+        Which trial of it is always chosen, in words.
     caption, outcome
         Which trial it is, and how it ended.
     successes, trials
-        Of the same network on this size.
+        Of the same network on this variant.
     speed
         Speed of the film against real time.
     mp4, png
@@ -33,7 +38,8 @@ class FilmedTrial:
     """
 
     kind: str
-    size_mm: float
+    variant: str
+    rule: str
     caption: str
     outcome: str
     successes: int
@@ -61,7 +67,8 @@ def read_films(run: RunFolder) -> tuple[FilmedTrial, ...]:
     return tuple(
         FilmedTrial(
             kind=str(record["kind"]),
-            size_mm=float(record["size_mm"]),
+            variant=str(record.get("variant") or f"The hardest variant, {record['size_mm']:g} mm"),
+            rule=str(record.get("rule") or FIRST_TRIAL),
             caption=str(record["caption"]),
             outcome=str(record["outcome"]),
             successes=int(record["successes"]),
@@ -73,6 +80,28 @@ def read_films(run: RunFolder) -> tuple[FilmedTrial, ...]:
         for record in records
         if keys.get(record["stage"]) == record["key"]
     )
+
+
+def kept_films(run: RunFolder) -> dict[str, dict[str, Any]]:
+    """Return the records of films that still are what was drawn, by the key of their trials."""
+    if not (run.root / FILMS).is_file():
+        return {}
+    record = read_record(run.root / FILMS)
+    if record.get("schema") != SCHEMA:
+        return {}
+    return {film["key"]: film for film in record["films"] if _is_whole(run, film)}
+
+
+def file_of_film(path: Path) -> dict[str, str]:
+    """Return a drawn file as the record of films names it."""
+    return {"name": path.name, "sha256": file_hash(path)}
+
+
+def _is_whole(run: RunFolder, film: dict[str, Any]) -> bool:
+    files = [
+        (run.root / FILM_FOLDER / file["name"], file) for file in (film["film"], film["sheet"])
+    ]
+    return all(path.is_file() and file_hash(path) == file["sha256"] for path, file in files)
 
 
 def _content(root: Path, file: dict[str, str]) -> bytes:

@@ -18,7 +18,7 @@ from surmount.envs.family import TaskFamily
 from surmount.envs.vector_env import TaskVectorEnv
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES
-from surmount.rstar.family import INITIAL_STEPS
+from surmount.rstar.family import CALIBRATED, INITIAL_STEPS
 from surmount.tasks.space import TaskSpace
 
 
@@ -28,6 +28,7 @@ class AllObstaclesFamily(TaskFamily):
     name = "rstar/all"
     title = "RSTAR and all three obstacles"
     settings = EnvConfig
+    calibrated = CALIBRATED
     initial_steps = sum(INITIAL_STEPS.values())
     """As many as those of the three obstacles together (paper III-C)."""
 

@@ -10,9 +10,10 @@ import pytest
 from gymnasium.utils.passive_env_checker import env_render_passive_checker
 
 from surmount.core.errors import SurmountError
+from surmount.envs.screen import has_display
 from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.obstacles import OBSTACLES
-from surmount.rstar.course.rendering import backends, has_display, open_context
+from surmount.rstar.course.rendering import backends, open_context
 from surmount.rstar.course.single import ObstacleEnv
 
 IDS = [obstacle.gym_id for obstacle in OBSTACLES.values()]

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from surmount.envs.screen import has_display
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import OBSTACLES
-from surmount.rstar.course.rendering import has_display
 from surmount.rstar.course.single import ObstacleEnv
 from surmount.rstar.robot.config import RobotConfig
 

@@ -1,4 +1,4 @@
-"""Section: the hardest variant in films, before, with and without the curriculum."""
+"""Section: a hard variant in films, before, with and without the curriculum."""
 
 from __future__ import annotations
 
@@ -19,10 +19,7 @@ def film_section(filmed: tuple[FilmedTrial, ...]) -> Section | None:
     if not filmed:
         return None
     kinds = listed([WORDS[film.kind].lower() for film in filmed])
-    intro = Paragraph(
-        text=f"The hardest variant, {filmed[0].size_mm:g} mm, {kinds}: always the first trial of "
-        f"the first network, whatever happened in it, at {filmed[0].speed:g} times real speed."
-    )
+    intro = Paragraph(text=f"{filmed[0].variant}, {kinds}: {filmed[0].rule}, {_speeds(filmed)}.")
     films = Films(
         films=tuple(
             Film(
@@ -39,3 +36,9 @@ def film_section(filmed: tuple[FilmedTrial, ...]) -> Section | None:
         )
     )
     return Section(anchor="films", title="To look at", blocks=(intro, films))
+
+
+def _speeds(filmed: tuple[FilmedTrial, ...]) -> str:
+    slowest, fastest = (f"{extreme(film.speed for film in filmed):.2g}" for extreme in (min, max))
+    span = slowest if slowest == fastest else f"{slowest} to {fastest}"
+    return f"at {span} times real speed"

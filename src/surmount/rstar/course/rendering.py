@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surmount.core.errors import SurmountError
+from surmount.envs.screen import has_display
 from surmount.rstar.course.scene import CAMERA
 
 FRAME_SIZE = (480, 640)
@@ -22,13 +23,6 @@ FRAME_SIZE = (480, 640)
 
 MAX_GEOMS = 10_000
 """Geoms that a picture may show, decorations included; MuJoCo's own default."""
-
-
-def has_display() -> bool:
-    """Return whether there is a screen to draw on."""
-    return sys.platform != "linux" or any(
-        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
-    )
 
 
 def backends() -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from typing import Any
 import mujoco
 
 from surmount.core.errors import SurmountError
-from surmount.rstar.course.rendering import has_display
+from surmount.envs.screen import has_display
 from surmount.rstar.course.scene import CAMERA
 
 _REMEDY = (

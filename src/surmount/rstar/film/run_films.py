@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surmount.core.records import file_hash, read_record, write_record
+from surmount.core.records import write_record
 from surmount.envs.video import write_mp4, write_png
 from surmount.experiment.config import config_from_record
+from surmount.report.films import file_of_film, kept_films
 from surmount.rstar.configured import obstacle_of
 from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
 from surmount.rstar.film.logged_trials import logged_motion, run_log
@@ -50,7 +50,7 @@ def draw_films(run: RunFolder, say: Callable[[str], None]) -> None:
         If nothing can be drawn on this machine.
     """
     size_mm = obstacle_of(config_from_record(run.config)).hardest
-    earlier = _earlier(run)
+    earlier = kept_films(run)
     drawn: list[dict[str, Any]] = []
     for kind, stage_kind in TRIALS.items():
         stage = per_network(stage_kind, NETWORK)
@@ -81,30 +81,9 @@ def draw_films(run: RunFolder, say: Callable[[str], None]) -> None:
                 "successes": int(trials.success[alike].sum()),
                 "trials": int(alike.sum()),
                 "speed": FILM.speed,
-                "film": _file(film),
-                "sheet": _file(sheet),
+                "film": file_of_film(film),
+                "sheet": file_of_film(sheet),
                 "duration_s": motion.duration_s,
             }
         )
     write_record(run.root / FILMS, {"schema": SCHEMA, "films": drawn})
-
-
-def _earlier(run: RunFolder) -> dict[str, dict[str, Any]]:
-    """Return what was drawn before and still is what it was, by the key of its trials."""
-    if not (run.root / FILMS).is_file():
-        return {}
-    record = read_record(run.root / FILMS)
-    if record.get("schema") != SCHEMA:
-        return {}
-    return {film["key"]: film for film in record["films"] if _is_whole(run, film)}
-
-
-def _is_whole(run: RunFolder, film: dict[str, Any]) -> bool:
-    files = [
-        (run.root / FILM_FOLDER / file["name"], file) for file in (film["film"], film["sheet"])
-    ]
-    return all(path.is_file() and file_hash(path) == file["sha256"] for path, file in files)
-
-
-def _file(path: Path) -> dict[str, str]:
-    return {"name": path.name, "sha256": file_hash(path)}
