@@ -199,7 +199,7 @@ def _map(title: str, share: FloatArray, labels: Sequence[str], top: float) -> al
             tooltip=["variant:N", "time:N", "episodes:N"],
         )
     )
-    return layers(heat, height=MAP_PX, title=short(title))
+    return layers(heat, height=MAP_PX, title=_row_name(title))
 
 
 def _shares(counts: Sequence[Sequence[float]]) -> FloatArray:
