@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import itertools
 import os
 import re
 import shlex
@@ -90,11 +91,10 @@ def nothing_runs(tmp_path, monkeypatch):
             monkeypatch.setattr(verb, "_run", stop)
     monkeypatch.setattr(config, "_print", stop, raising=False)
     monkeypatch.setattr(configuration_flags, "begun_with", lambda asked: preset(
-        "rstar/step" if asked.task in (None, "step", "my_module:make_env") else asked.task,
+        "rstar/step" if asked.task is None or ":" in asked.task else asked.task,
         asked.preset,
     ))  # fmt: skip
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "step.toml").write_text("networks = 3\n", encoding="utf-8")
     return tmp_path
 
 
@@ -111,6 +111,9 @@ def test_a_command_is_read_as_it_stands(line, page, nothing_runs):
     if any(word.startswith(OWN_SETTINGS) or word in NOT_INSTALLED for word in words):
         assert page == "docs/own-environment.md"
         return
+    for option, value in itertools.pairwise(words):
+        if option == "--config":
+            (nothing_runs / value).write_text("networks = 3\n", encoding="utf-8")
     try:
         code = run(words)
     except Read:

@@ -35,7 +35,8 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add a page for each verb, and one that lists them."""
-    made = {f"commands/{verb}.md": page(verb) for verbs in GROUPS.values() for verb in verbs}
+    verbs_of_all = [verb for verbs in GROUPS.values() for verb in verbs]
+    made = {f"commands/{verb}.md": pages.FIRST + page(verb) for verb in verbs_of_all}
     overview = ["# Command line", "", "`surmount VERB --help` says the same in a terminal."]
     for group, verbs in GROUPS.items():
         overview += ["", f"## {group.capitalize()}", "", "| verb | |", "|---|---|"]
@@ -63,7 +64,9 @@ def page(verb: str) -> str:
         actions = [one for one in members if "--help" not in one.option_strings]
         if not actions:
             continue
-        title = str(group.title).removesuffix(" options") or "options"
+        title = str(group.title).removesuffix(" options").replace("options.workers", "workers")
+        if group.title == "options" and verb in CONFIGURED:
+            title = "the experiment"
         lines += ["", f"## {_heading(title)}", "", _text(group.description or ""), ""]
         lines += ["| option | meaning |", "|---|---|"]
         lines += [_row(action) for action in actions]

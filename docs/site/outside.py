@@ -70,9 +70,11 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
         if re.match(r"[a-z]+:", target):
             return link.group()
         source = posixpath.normpath(posixpath.join(folder, target))
-        if source.startswith("src/") or (source not in FOLDERS and (ROOT / source).is_dir()):
-            return _not_here(link)
-        made = (TEXTS | EXAMPLES | FOLDERS).get(source, source.removeprefix("docs/"))
+        made = (TEXTS | EXAMPLES | FOLDERS).get(source)
+        if made is None:
+            if not source.startswith("docs/") or (ROOT / source).is_dir():
+                return _not_here(link)
+            made = source.removeprefix("docs/")
         return opening + posixpath.relpath(made, posixpath.dirname(here) or ".") + closing
 
     def _not_here(link: re.Match[str]) -> str:

@@ -40,6 +40,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     """Lead from a text to the page that was drawn with it."""
     here = page.file.src_uri
+    if here.startswith("results/"):
+        page.meta.setdefault("search", {"boost": 0.5})  # found after what explains
     if here not in DRAWN:
         return markdown
     title, below, rest = markdown.partition("\n")

@@ -57,7 +57,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for room, names in public_names().items():
         title, sentence = ROOMS[room]
         entries = [f"# {title}", sentence, *(f"::: surmount.{name}" for name in names)]
-        made[f"reference/{room}.md"] = "\n\n".join(entries) + "\n"
+        made[f"reference/{room}.md"] = pages.FIRST + "\n\n".join(entries) + "\n"
         overview += ["", f"## [{title}]({room}.md)", "", sentence, ""]
         overview += [f"* [`{name}`][surmount.{name}]" for name in names]
     made["reference/README.md"] = "\n".join(overview) + "\n"

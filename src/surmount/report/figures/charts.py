@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 
 from surmount.report.document.text import short
-from surmount.report.figures.palette import GRID, INK, PAPER, Series
+from surmount.report.figures.palette import GRID, INK, MUTED, PAPER, Series
 
 FONT = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 WIDTH_PX = 880
@@ -156,11 +156,14 @@ def tick_labels(
 
 
 def layers(
-    *charts: alt.Chart | alt.LayerChart, height: int, title: str | list[str] = ""
+    *charts: alt.Chart | alt.LayerChart, height: int, title: str | list[str] = "", note: str = ""
 ) -> alt.LayerChart:
-    """Return one panel."""
+    """Return one panel, with a heading and a note below it where they are given."""
     whole = alt.LayerChart(layer=list(charts), height=height)
-    return whole.properties(title=title) if title else whole
+    if not title:
+        return whole
+    heading = alt.TitleParams(title, subtitle=note) if note else title
+    return whole.properties(title=heading)
 
 
 def figure(
@@ -254,7 +257,14 @@ def styled(chart: alt.ConcatChart) -> alt.ConcatChart:
             columnPadding=16,
         ),
         title=alt.TitleConfig(
-            color=INK, fontSize=12, fontWeight="bold", anchor="start", frame="group", offset=6
+            color=INK,
+            fontSize=12,
+            fontWeight="bold",
+            anchor="start",
+            frame="group",
+            offset=6,
+            subtitleColor=MUTED,
+            subtitleFontSize=11,
         ),
         view=alt.ViewConfig(stroke=None),
         line=alt.LineConfig(strokeWidth=2, strokeCap="butt"),

@@ -27,7 +27,7 @@ SERIES = (
 BINS = 40
 MOST_FEATURES = 4
 """Pairs are drawn of so many features: six panels, as in the paper."""
-MOST_POINTS = 300
+MOST_POINTS = 200
 """Of each kind that are drawn; all of them are in the data."""
 HEIGHT_PX = 200
 LEAST_PX = 270

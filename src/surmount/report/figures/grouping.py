@@ -101,7 +101,8 @@ def _distance_panel(analysis: Analysis, series: Sequence[Series] = ()) -> alt.La
         analysis.distances,
         "distance {:.3f}".format,
         height=_height(analysis),
-        title="Distances between variants: light is alike (0), dark is far (1)",
+        title="Distances between variants",
+        note="light: alike (0), dark: far apart (1)",
         series=series,
     )
 
@@ -152,10 +153,10 @@ def _tree_panel(analysis: Analysis, drawn: DendrogramLayout) -> alt.LayerChart:
             size=10,
         )
     )
-    title = "Dendrogram: the rule divides at diamonds"
+    note = "diamond: the rule divides here"
     if drawn.cut_height is not None:
-        title += ", the dashed line is the cut"
-    return layers(*layer, height=_height(analysis), title=title)
+        note += "; dashed: the cut"
+    return layers(*layer, height=_height(analysis), title="Dendrogram and groups", note=note)
 
 
 def _links(

@@ -48,7 +48,7 @@ DECISIONS: dict[Decision, Series] = {
 RARE = 0.02
 """Share of roll-outs that may lie below the panels."""
 BAND = "#0072b2"
-MOST_POINTS = 400
+MOST_POINTS = 200
 """Of each curve that are drawn; all of them are in the data."""
 HEIGHT_PX = 230
 LEAST_PX = 400
@@ -113,6 +113,8 @@ def _caption(drawn: Mapping[int, list[Curve]], measure: Measure) -> tuple[str, .
     )
     if windows[-1] == 1:
         lines = "One point per roll-out."
+    if max(curve.steps.size for curves in drawn.values() for curve in curves) > MOST_POINTS:
+        lines += f" Of each curve {MOST_POINTS} are drawn; the data have all."
     shown = (
         "Rewards are as given by the environment, before any normalisation; the scale leaves out "
         f"the lowest {percent(RARE)} of roll-outs."

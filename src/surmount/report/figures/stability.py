@@ -81,7 +81,8 @@ def _matrix_panel(analysis: Analysis, stability: Stability) -> alt.LayerChart:
         stability.co_membership,
         lambda share: f"in one group in {percent(share)} of the replicates",
         height=HEIGHT_PX,
-        title="Variants in one group: light is always, dark is never",
+        title="Variants in one group",
+        note="light: in all replicates, dark: in none",
         likeness=True,
     )
 

@@ -25,6 +25,13 @@ _NUMBER = re.compile(r"-?\d+\.\d{3,}")
 _SYMBOL = re.compile(
     r'<path transform="translate\(([-\d.]+),([-\d.]+)\)" (d="M[^"]*A[^"]*"|d="M-[^"]*Z")([^<>]*)/>'
 )
+_IDLE = re.compile(
+    r'<path[^<>]* opacity="0"[^<>]*/>'  # carries labels that appear on hovering
+    r'|<path class="foreground"[^<>]* d=""[^<>]*/>'
+    r'|(?<=[" ]) ?(?:role|aria-roledescription|aria-hidden|pointer-events)="[^"<>]*"(?=[^<>]*>)'
+)
+"""What a picture does not need."""
+_RGB = re.compile(r'(?<==")rgb\((\d+), (\d+), (\d+)\)(?=")')
 _CLIP = re.compile(r'(?<=id=")clip\d+|(?<=url\(#)clip\d+')
 
 
@@ -69,8 +76,8 @@ def _tidy(svg: str) -> str:
     def renamed(found: re.Match[str]) -> str:
         return names.setdefault(found[0], f"clip{len(names)}")
 
-    text = _CLIP.sub(renamed, svg)
-    text = _symbols_once(_outside_text(text))
+    text = _CLIP.sub(renamed, _RGB.sub(_hexadecimal, svg))
+    text = _symbols_once(_outside_text(_IDLE.sub("", text)))
     rules = "".join(
         f'[fill="{light}"]{{fill:{dark}}}[stroke="{light}"]{{stroke:{dark}}}'
         for light, dark in DARK.items()
@@ -78,6 +85,10 @@ def _tidy(svg: str) -> str:
     style = f"<style>@media screen and (prefers-color-scheme:dark){{{rules}}}</style>"
     head, mark, rest = text.partition(">")
     return f"{head}{mark}{style}{rest}"
+
+
+def _hexadecimal(found: re.Match[str]) -> str:
+    return "#" + "".join(f"{int(part):02x}" for part in found.groups())
 
 
 def _outside_text(svg: str) -> str:

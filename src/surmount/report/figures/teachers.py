@@ -20,6 +20,8 @@ from surmount.workflow.run_layout import CURRICULUM
 
 ROW_PX = 34
 MAP_PX = 170
+LONGEST_ROW = 36
+"""Characters of a teacher's name beside its row."""
 DARKEST = 0.99
 """Of all cells so many are told apart by their colour: a few cells of one teacher that are darker
 must not make all others pale."""
@@ -77,12 +79,12 @@ def _scores(
         "teacher:N",
         sort=None,
         title=None,
-        scale=alt.Scale(domain=[short(title) for title in titles]),
-        axis=alt.Axis(grid=True, ticks=False, domain=False, labelLimit=200),
+        scale=alt.Scale(domain=[_row_name(title) for title in titles]),
+        axis=alt.Axis(grid=True, ticks=False, domain=False, labelLimit=230),
     )
     networks = frame(
         {
-            "teacher": [short(title) for title, _, _ in points],
+            "teacher": [_row_name(title) for title, _, _ in points],
             "x": [own for _, _, own in points],
             "network": [f"network {network}" for _, network, _ in points],
             "success": [percent(own, 1) for _, _, own in points],
@@ -90,7 +92,7 @@ def _scores(
     )
     means = frame(
         {
-            "teacher": [short(title) for title in titles],
+            "teacher": [_row_name(title) for title in titles],
             "x": [one["estimate"] for one in whole],
             **ends,
             "success": [percent(one["estimate"], 1) for one in whole],
@@ -197,7 +199,7 @@ def _map(title: str, share: FloatArray, labels: Sequence[str], top: float) -> al
             tooltip=["variant:N", "time:N", "episodes:N"],
         )
     )
-    return layers(heat, height=MAP_PX, title=short(title))
+    return layers(heat, height=MAP_PX, title=_row_name(title))
 
 
 def _shares(counts: Sequence[Sequence[float]]) -> FloatArray:
@@ -226,13 +228,13 @@ def differences_panel(
     x_title
         Of the axis.
     """
-    names = [short(name) for name, _ in rows]
+    names = [_row_name(name) for name, _ in rows]
     y = alt.Y(
         "teacher:N",
         sort=None,
         title=None,
         scale=alt.Scale(domain=names),
-        axis=alt.Axis(grid=True, ticks=False, domain=False, labelLimit=200),
+        axis=alt.Axis(grid=True, ticks=False, domain=False, labelLimit=230),
     )
     base = alt.Chart(
         frame(
@@ -260,7 +262,7 @@ def differences_panel(
     if points:
         own = frame(
             {
-                "teacher": [short(name) for name, _, _ in points],
+                "teacher": [_row_name(name) for name, _, _ in points],
                 "x": [100 * difference for _, _, difference in points],
                 "network": [f"network {network}" for _, network, _ in points],
                 "difference": [f"{100 * difference:+.1f} points" for _, _, difference in points],
@@ -272,3 +274,7 @@ def differences_panel(
             .encode(alt.X("x:Q"), y, tooltip=["teacher:N", "network:N", "difference:N"])
         )
     return layers(*parts, height=ROW_PX * len(rows), title=title)
+
+
+def _row_name(title: str) -> str:
+    return title if len(title) <= LONGEST_ROW else f"{title[: LONGEST_ROW - 1]}…"

@@ -22,6 +22,7 @@ def matrix_panel(
     *,
     height: int,
     title: str,
+    note: str,
     series: Sequence[Series] = (),
     likeness: bool = False,
 ) -> alt.LayerChart:
@@ -35,7 +36,7 @@ def matrix_panel(
         What is drawn.
     words
         A value as the label that appears on hovering tells it.
-    height, title
+    height, title, note
         Of the panel.
     series
         All that the figure tells by colour, where that is more than the groups.
@@ -94,7 +95,9 @@ def matrix_panel(
             **styles(series or group_styles(analysis), "color"),
         )
     )
-    return layers(heat, frames, height=height, title=title).resolve_scale(fill="independent")
+    return layers(heat, frames, height=height, title=title, note=note).resolve_scale(
+        fill="independent"
+    )
 
 
 def group_styles(analysis: Analysis) -> list[Series]:

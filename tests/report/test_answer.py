@@ -1,0 +1,91 @@
+"""The first line answers by networks; tests over trials speak only where networks agree."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from run_builder import RunBuilder
+
+from surmount.cli.main import run
+from surmount.report.answer import OPENING, answer
+from surmount.report.results import read_run
+from surmount.report.sections.summary import summary
+from surmount.report.verdicts import group_sentence
+from surmount.stats.differences import network_difference
+from surmount.workflow.run_layout import ARMS
+
+
+@pytest.fixture(scope="module")
+def results(reported):
+    return read_run(reported.root)
+
+
+def _with(results, first, second):
+    """Return the results with other means of networks, as the statistics would have them."""
+    mean = network_difference(first, second, paired=True)
+    return dataclasses.replace(
+        results, comparison=dataclasses.replace(results.comparison, mean_difference=mean)
+    )
+
+
+def test_the_first_line_gives_the_paired_interval_and_how_many_networks_are_ahead(results):
+    found = answer(results)
+    first, second = (results.tests[arm].scores().mean(axis=1) for arm in ARMS)
+    mean = network_difference(first, second, paired=True)
+    assert found.verdict == ("helps" if mean.lower > 0 else "not shown")
+    assert f"{100 * mean.estimate:+.1f}".rstrip("0").rstrip(".") in found.effect
+    ahead = int((first > second).sum())
+    assert found.networks.startswith(f"{ahead} of {first.size} networks")
+    assert summary(results)[0] == found.sentences[0]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "verdict"),
+    [
+        ([0.9, 0.8, 0.85], [0.1, 0.1, 0.1], "helps"),
+        ([0.1, 0.1, 0.15], [0.9, 0.8, 0.85], "harms"),
+        ([0.9, 0.1, 0.6], [0.1, 0.5, 0.4], "not shown"),
+        ([0.9], [0.1], "not shown"),
+    ],
+)
+def test_the_interval_over_networks_decides(results, first, second, verdict):
+    found = answer(_with(results, first, second))
+    assert found.verdict == verdict
+    assert found.sentences[0].startswith(OPENING[verdict])
+
+
+def test_what_it_rests_on_is_said_with_it(results):
+    _, stability, levels = answer(results).sentences
+    assert stability.startswith("The grouping is ")
+    ends = [test for training in results.trainings["curriculum"].values()
+            for test in training.level_tests if test.decision != "extend"]  # fmt: skip
+    assert levels.startswith(f"Of {len(ends)} levels that ended")
+
+
+def test_no_p_value_is_told_where_networks_disagree(results):
+    entry = results.comparison.groups[-1]
+    assert "p < 0.001" in group_sentence(entry, np.array([0.9, 0.7])).replace("\xa0", " ")
+    apart = group_sentence(entry, np.array([0.9, -0.1]))
+    assert "networks disagree, 1 of 2 ahead and 1 behind" in apart
+    assert "p" not in apart.split(": ", 1)[1].replace("points", "").split()
+
+
+def test_a_run_that_is_not_finished_leaves_the_question_open(tmp_path):
+    builder = RunBuilder(tmp_path)
+    builder.initiate()
+    assert answer(read_run(tmp_path)).verdict == "open"
+
+
+def test_show_on_a_finished_run_tells_what_testing_gave(reported, results, capsys):
+    assert run(["show", str(reported.root)]) == 0
+    told = capsys.readouterr().out
+    assert "What testing gave" in told
+    assert answer(results).sentences[0] in told
+
+
+def test_following_a_finished_run_draws_its_page_and_ends(reported, tmp_path, capsys):
+    assert run(["report", str(reported.root), "--follow"]) == 0
+    assert "Report: " in capsys.readouterr().out
+    assert run(["report", str(reported.root), "--follow", "--out", str(tmp_path)]) == 2
