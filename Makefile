@@ -9,7 +9,7 @@ DEMO_OBSTACLE ?= low-entrance
 
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow nightly check audit bench clean
+.PHONY: demo test test-slow nightly check audit bench docs vega clean
 
 demo: $(READY)  ## the whole method on one obstacle at reduced scale, with a report at the end
 	$(BIN)/surmount reproduce $(DEMO_OBSTACLE) --preset smoke --out $(DEMO_OUT)
@@ -45,11 +45,18 @@ audit: $(READY)  ## known vulnerabilities of what constraints.txt pins, where a 
 bench: $(READY)  ## every speed claim, measured against its peer in the same run
 	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
 
+docs: $(READY)  ## the documentation site in out/site, to open from there; no warning passes
+	PYTHONPATH=src NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	@echo "Open out/site/index.html"
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "Surmount needs Python 3.11 or newer: call make PYTHON=python3.12"'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	touch $@
+
+vega: $(READY)  ## pack the script that draws figures in pages, in the versions of the vl-convert installed
+	$(BIN)/python -c 'from pathlib import Path; from surmount.report.document.vega import PACKED, bundle; Path("src/surmount/report/templates", PACKED).write_bytes(bundle())'
 
 clean:  ## remove the environment and the demo's output
 	rm -rf $(VENV) out

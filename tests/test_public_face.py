@@ -14,7 +14,7 @@ import pytest
 import surmount
 
 ROOT = Path(__file__).parents[1]
-HEAVY = ("torch", "mujoco", "scipy.stats", "gymnasium", "polars", "matplotlib", "plotly", "rich")
+HEAVY = ("torch", "mujoco", "scipy.stats", "gymnasium", "polars", "matplotlib", "altair", "rich")
 
 
 def test_importing_surmount_loads_none_of_the_heavy_packages():

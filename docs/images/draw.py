@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from surmount.envs.video import write_gif, write_png
-from surmount.rstar.film.film import FilmConfig, contact_sheet, frames
+from surmount.rstar.film.film import FilmConfig, contact_sheet, count_frames, frames
 from surmount.rstar.film.footage import Wanted, motions
 
 STILLS = (
@@ -18,9 +19,15 @@ STILLS = (
 )
 """Obstacle, camera, and moment as a fraction of the stored manoeuvre for its hardest variant."""
 
+NETWORKS = Path(__file__).parents[1] / "results" / "reproduction" / "step" / "networks"
+ARMS = ("control-2", "curriculum-2")
+"""The network of the published runs whose arms differ most, without and with the curriculum."""
+ARMS_MM, ARMS_HOLD_S, ARMS_FPS = 40.0, 1.0, 12
+"""A step of its hardest group that one of them mostly overcomes and the other never does."""
+
 
 def draw(folder: Path) -> None:
-    """Write ``obstacles.png`` and ``step.gif``."""
+    """Write ``obstacles.png``, ``step.gif`` and ``arms.gif``."""
     stills = {}
     for obstacle, camera, moment in STILLS:
         (motion,) = motions(Wanted(source=obstacle))
@@ -30,6 +37,23 @@ def draw(folder: Path) -> None:
     film = FilmConfig(camera="course", width_px=480, height_px=320, fps=20)
     climb = list(motions(Wanted(source="step")))
     write_gif(folder / "step.gif", frames(climb, film), film.fps)
+    draw_arms(folder)
+
+
+def draw_arms(folder: Path) -> None:
+    """Write ``arms.gif``: both arms side by side until the one with the curriculum has arrived."""
+    film = FilmConfig(
+        camera="course", width_px=400, height_px=270, fps=ARMS_FPS, hold_s=ARMS_HOLD_S
+    )
+    without, with_curriculum = (
+        list(motions(Wanted(source=str(NETWORKS / f"{arm}.safetensors"), sizes_mm=(ARMS_MM,))))
+        for arm in ARMS
+    )
+    shown = islice(
+        zip(frames(without, film), frames(with_curriculum, film), strict=False),
+        count_frames(with_curriculum, film),
+    )
+    write_gif(folder / "arms.gif", (np.hstack(pair) for pair in shown), film.fps)
 
 
 if __name__ == "__main__":

@@ -42,6 +42,7 @@ from .learn.rollouts import roll_out as roll_out
 from .learn.snapshot import Snapshot as Snapshot
 from .report.pages import write_analysis_report as write_analysis_report
 from .report.pages import write_report as write_report
+from .report.run import Run as Run
 from .rstar.course.batch import ObstacleVectorEnv as ObstacleVectorEnv
 from .rstar.course.config import EnvConfig as EnvConfig
 from .rstar.course.randomisation import RandomisationConfig as RandomisationConfig

@@ -10,7 +10,7 @@ import pytest
 
 from surmount.cli.main import CONFIGURED, VERBS
 
-HEAVY = ("torch", "mujoco", "scipy.stats", "scipy.cluster", "matplotlib", "plotly", "polars")
+HEAVY = ("torch", "mujoco", "scipy.stats", "scipy.cluster", "matplotlib", "altair", "polars")
 PROGRAM = """
 import contextlib, io, json, sys
 from surmount.cli.main import run

@@ -174,6 +174,7 @@ def test_a_group_is_learnt_when_its_own_newest_episodes_succeed():
             tasks=tasks[:, None],
             success=(tasks < 30) | (steps > learnt),
             reward=np.zeros(steps.size),
+            length=np.ones(steps.size, dtype=np.int64),
         )
 
     easy, hard = steps_to_95([training(1000), training(4000)], curriculum)

@@ -30,7 +30,7 @@ class Listener(SilentMonitor):
 
 def spoil_losses(monkeypatch, which, factor: float) -> None:
     """Multiply the losses of some updates, counted from 0, by a number."""
-    honest, calls = ppo_module.ppo_loss, iter(range(10**6))
+    honest, calls = ppo_module.ppo_gradients, iter(range(10**6))
 
     def spoiled(*arguments, **options):
         loss = honest(*arguments, **options)
@@ -38,7 +38,7 @@ def spoil_losses(monkeypatch, which, factor: float) -> None:
             object.__setattr__(loss, "total", loss.total * factor)
         return loss
 
-    monkeypatch.setattr(ppo_module, "ppo_loss", spoiled)
+    monkeypatch.setattr(ppo_module, "ppo_gradients", spoiled)
 
 
 @pytest.mark.parametrize("factor", [float("nan"), float("inf"), 1e12])
@@ -54,15 +54,15 @@ def test_an_unsound_update_is_left_out_and_learning_goes_on(monkeypatch, factor)
 
 
 def test_a_gradient_that_is_not_finite_is_left_out(monkeypatch):
-    honest = torch.nn.utils.clip_grad_norm_
-    calls = iter(range(10**6))
+    honest, calls = ppo_module.ppo_gradients, iter(range(10**6))
 
-    def spoiled(parameters, limit):
+    def spoiled(networks, batch, objective):
+        loss = honest(networks, batch, objective)
         if next(calls) == 5:
-            parameters[0].grad[:] = float("nan")
-        return honest(parameters, limit)
+            networks.log_std.grad[:] = float("nan")
+        return loss
 
-    monkeypatch.setattr(torch.nn.utils, "clip_grad_norm_", spoiled)
+    monkeypatch.setattr(ppo_module, "ppo_gradients", spoiled)
     training = uniform_trainer(512).run(SilentMonitor())
     assert training.faults.skipped_updates == 1
     assert all(np.isfinite(value).all() for value in training.network.tensors.values())

@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
-from lean_ppo import CONFIG, collect, lean_learner, update
+from lean_ppo import CONFIG, collect, lean_learner, loss_of, update
 from point_env import PointEnv
 from small_trainings import FAR, NEAR, StopAfter, assert_same_training
 from stable_baselines3.common.callbacks import CallbackList
@@ -22,7 +22,7 @@ from surmount.learn.presets import ml_agents_learner
 from surmount.learn.rollouts import Actor
 from surmount.learn.snapshot import Snapshot
 from surmount.learn.trainer import Checkpointing, Trainer
-from surmount.learn.update import Batch, Objective, ppo_loss
+from surmount.learn.update import Batch, Objective
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.uniform import UniformTeacher
@@ -121,9 +121,12 @@ def test_densities_in_the_buffer_are_those_of_each_action():
 def test_each_actions_ratio_is_clipped_by_itself():
     learner = lean_learner(PAPER_LIKE, WideEnv(4))
     networks, batch = ActorCritic.of(learner.policy), small_batch(learner)
-    loss = ppo_loss(networks, batch, objective(normalise_advantages=False))
+    loss = loss_of(networks, batch, objective(normalise_advantages=False))
     with torch.no_grad():
-        means, std = networks.actor(batch.observations).numpy(), networks.log_std.exp().numpy()
+        means, std = (
+            networks.actor.forward(batch.observations).outputs.numpy(),
+            networks.log_std.exp().numpy(),
+        )
     terms, outside = [], 0
     for row in range(8):
         for action in range(3):
@@ -142,7 +145,7 @@ def test_with_one_action_both_ratios_are_the_same():
     networks, each = ActorCritic.of(learner.policy), small_batch(learner)
     joint = replace(each, log_probs=each.log_probs[:, 0])
     torch.testing.assert_close(
-        vars(ppo_loss(networks, each, objective())), vars(ppo_loss(networks, joint, objective()))
+        vars(loss_of(networks, each, objective())), vars(loss_of(networks, joint, objective()))
     )
 
 
@@ -151,7 +154,7 @@ def test_the_mean_entropy_does_not_grow_with_the_number_of_actions():
     networks, batch = ActorCritic.of(learner.policy), small_batch(learner)
     with torch.no_grad():
         networks.log_std.copy_(torch.tensor([0.1, -0.5, 0.3]))
-    loss = ppo_loss(networks, batch, objective(mean_entropy=True))
+    loss = loss_of(networks, batch, objective(mean_entropy=True))
     each = [0.5 * math.log(2 * math.pi * math.e) + s for s in (0.1, -0.5, 0.3)]
     assert loss.entropy.item() == pytest.approx(-np.mean(each), rel=1e-6)
 
@@ -159,15 +162,15 @@ def test_the_mean_entropy_does_not_grow_with_the_number_of_actions():
 def test_the_value_may_not_leave_the_range_around_what_it_was():
     learner = lean_learner(PAPER_LIKE)
     networks, batch = ActorCritic.of(learner.policy), small_batch(learner)
-    loss = ppo_loss(networks, batch, objective(clip_values=True))
+    loss = loss_of(networks, batch, objective(clip_values=True))
     with torch.no_grad():
-        values = networks.critic(batch.observations).flatten().numpy()
+        values = networks.critic.forward(batch.observations).outputs.flatten().numpy()
     errors = []
     for value, old, target in zip(values, batch.values.numpy(), batch.returns.numpy(), strict=True):
         near = old + min(max(value - old, -0.2), 0.2)
         errors.append(max((value - target) ** 2, (near - target) ** 2))
     assert loss.value.item() == pytest.approx(np.mean(errors), rel=1e-5)
-    plain = ppo_loss(networks, batch, objective()).value.item()
+    plain = loss_of(networks, batch, objective()).value.item()
     assert plain == pytest.approx(np.mean((values - batch.returns.numpy()) ** 2), rel=1e-5)
     assert plain < loss.value.item()
 
@@ -290,7 +293,8 @@ def test_noise_of_a_rollout_is_an_ar_process_that_begins_with_each_episode():
         )
         buffer = learner.rollout_buffer
         with torch.no_grad():
-            means = ActorCritic.of(learner.policy).actor(torch.from_numpy(buffer.observations))
+            actor = ActorCritic.of(learner.policy).actor
+            means = actor.forward(torch.from_numpy(buffer.observations)).outputs
         noise = buffer.actions - means.numpy()  # a new policy's standard deviation is 1
         for step in range(64):
             begins = buffer.episode_starts[step].astype(bool)[:, None]

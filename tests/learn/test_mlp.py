@@ -31,12 +31,34 @@ def test_outputs_are_the_policys(activation):
     with torch.no_grad():
         means = policy.get_distribution(OBSERVATIONS).distribution.mean
         values = policy.predict_values(OBSERVATIONS)
-    for actor, critic in (
-        (networks.actor, networks.critic),
-        (networks.actor.frozen(), networks.critic.frozen()),
-    ):
-        torch.testing.assert_close(actor(OBSERVATIONS), means)
-        torch.testing.assert_close(critic(OBSERVATIONS), values)
+        found = [
+            (net.forward(OBSERVATIONS).outputs, net.frozen()(OBSERVATIONS))
+            for net in (networks.actor, networks.critic)
+        ]
+    for outputs, expected in zip(found, (means, values), strict=True):
+        for output in outputs:
+            torch.testing.assert_close(output, expected)
+
+
+@pytest.mark.parametrize("activation", list(ACTIVATIONS))
+def test_gradients_are_those_of_autograd(activation):
+    policy = policy_with(ACTIVATIONS[activation].module)
+    networks = ActorCritic.of(policy)
+    slopes = torch.randn(20, 2, generator=torch.Generator().manual_seed(3))
+    policy.get_distribution(OBSERVATIONS).distribution.mean.backward(slopes)
+    expected = {
+        name: weight.grad.clone()
+        for name, weight in policy.named_parameters()
+        if weight.grad is not None
+    }
+    for weight in policy.parameters():
+        weight.grad = torch.full_like(weight, torch.nan)
+    with torch.no_grad():
+        networks.actor.backward(networks.actor.forward(OBSERVATIONS), slopes)
+    assert len(expected) == 6
+    for name, gradient in expected.items():
+        found = policy.get_parameter(name).grad
+        torch.testing.assert_close(found, gradient, rtol=1e-4, atol=1e-5)
 
 
 def test_frozen_networks_keep_their_weights_and_leave_their_inputs_alone():
@@ -49,7 +71,7 @@ def test_frozen_networks_keep_their_weights_and_leave_their_inputs_alone():
             parameter.add_(0.1)
     assert torch.equal(frozen(inputs), before)
     assert torch.equal(inputs, OBSERVATIONS)
-    assert not torch.equal(networks.critic(inputs), before)
+    assert not torch.equal(networks.critic.frozen()(inputs), before)
 
 
 def test_other_policies_are_not_taken_for_known_ones():

@@ -21,6 +21,7 @@ from surmount.report.contents import document_of
 from surmount.report.figures.curves import running_mean
 from surmount.report.figures.dendrogram_layout import layout
 from surmount.report.figures.fit import mixture_fit
+from surmount.report.figures.learning import DECISIONS
 from surmount.report.figures.path import box_of
 from surmount.report.pages import write_analysis_report
 from surmount.report.results import read_run
@@ -29,6 +30,15 @@ from surmount.workflow.run_layout import TRIALS
 
 EXACT = 1e-12
 """The same numbers, but for the order of summation."""
+DRAWN = 1e-4
+"""Drawn numbers have five significant digits."""
+
+
+def rows_of(chart, *, panel, layer):
+    """Return the rows that a layer of a panel draws."""
+    record = chart.to_dict()
+    drawn = record["concat"][panel]
+    return record["datasets"][(drawn["layer"][layer].get("data") or drawn["data"])["name"]]
 
 
 @pytest.fixture(scope="module")
@@ -75,9 +85,9 @@ def test_figure_5_shows_the_bic_curve_where_k_was_chosen_by_it(trials_analysis):
     curve = trials_analysis.bic
     shown = [value for value in figure.data["bic"] if value is not None]
     assert shown == list(curve.values)
-    line = figure.panels[-1].plot.data[0]
-    assert list(line.x) == list(curve.components)
-    assert np.allclose(np.asarray(line.y) * 1000, curve.values, rtol=EXACT)
+    line = rows_of(figure.chart, panel=-1, layer=0)
+    assert [row["x"] for row in line] == list(curve.components)
+    assert np.allclose([1000 * row["y"] for row in line], curve.values, rtol=DRAWN)
     assert f"K = {curve.chosen} was taken" in " ".join(figure.caption)
 
 
@@ -178,13 +188,13 @@ def test_figure_7_marks_each_test_where_it_was_made(reported):
     document = document_of(read_run(reported.root))
     figure = next(f for f in document.figures() if f.name == "figure-7-learning-curves")
     tests = [row for row in reported.rows(figure.name) if row["kind"] == "level test"]
-    for network, panel in enumerate(figure.panels):
-        marks = panel.plot.data[-1]
+    for network in range(2):
+        marks = rows_of(figure.chart, panel=network, layer=-1)
         own = [row for row in tests if row["network"] == str(network)]
-        assert list(marks.x) == [int(row["steps"]) for row in own]
-        for label, row in zip(marks.hovertext, own, strict=True):
-            assert f"{float(row['ratio']):.3f}" in label
-            assert row["decision"] in label
+        assert [mark["x"] for mark in marks] == [int(row["steps"]) for row in own]
+        for mark, row in zip(marks, own, strict=True):
+            assert f"{float(row['ratio']):.3f}" in mark["ratio of eq 5"]
+            assert mark["decision"] == DECISIONS[row["decision"]].name
 
 
 def test_the_running_mean_is_that_of_neighbours_of_the_same_level():
@@ -238,13 +248,14 @@ def test_figure_8_shows_each_networks_own_rate(reported, trials):
 def test_the_bars_on_the_screen_are_those_of_the_data(reported):
     document = document_of(read_run(reported.root))
     figure = next(f for f in document.figures() if f.name == "figure-8-success")
-    bars = [trace for trace in figure.panels[0].plot.data if trace.type == "bar"]
+    bars = rows_of(figure.chart, panel=0, layer=0)
     rows = [row for row in reported.rows(figure.name) if not row["network"]]
-    for trace, stage in zip(bars, ("initiation", "curriculum", "control"), strict=True):
+    for stage in ("initiation", "curriculum", "control"):
+        shown = [bar for bar in bars if bar["series"] == stage]
         own = [row for row in rows if row["stage"] == stage]
-        assert list(trace.y) == [float(row["rate"]) for row in own]
-        upper = np.asarray(trace.y) + np.asarray(trace.error_y.array)
-        assert np.allclose(upper, [float(row["upper"]) for row in own], atol=EXACT)
+        for drawn, written in (("y", "rate"), ("lower", "lower"), ("upper", "upper")):
+            expected = [float(row[written]) for row in own]
+            assert np.allclose([bar[drawn] for bar in shown], expected, rtol=DRAWN)
 
 
 def test_figure_8b_shows_scipys_survival_function(reported, trials):

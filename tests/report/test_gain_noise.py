@@ -55,6 +55,7 @@ def episodes(reward, tests=(), every=500):
         tasks=np.zeros((reward.size, 1)),
         success=reward > 0,
         reward=reward,
+        length=np.full(reward.size, every),
     )
     return replace(training(np.zeros(9), tests), record=record)
 

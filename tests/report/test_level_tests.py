@@ -36,7 +36,7 @@ def shown(*tests, reward=None):
         count = reward.size
         record = TrainingEpisodes(
             budget=count, steps=np.arange(1, count + 1), tasks=np.zeros((count, 1)),
-            success=reward > 0, reward=reward,
+            success=reward > 0, reward=reward, length=np.ones(count, dtype=np.int64),
         )  # fmt: skip
         taught = dataclasses.replace(taught, record=record)
     results = SimpleNamespace(

@@ -14,7 +14,6 @@ from surmount.report.document.text import (
     percent,
     variant_range,
 )
-from surmount.report.figures.plots import hover, plain
 from surmount.report.verdicts import because, path_verdict, success_verdict, time_verdict
 from surmount.stats.logrank import log_rank
 from surmount.stats.mixed import MethodContrast
@@ -110,9 +109,3 @@ def test_numbers_are_written_without_losing_what_they_say():
     assert duration(3725) == "1 h 02 min"
     assert listed(["a", "b", "c"]) == "a, b and c"
     assert variant_range(("height_mm",), np.arange(21.0, 34.0)[:, None]) == f"21–33{SPACE}mm"
-
-
-def test_labels_in_plots_are_plain_text():
-    assert plain("<a href='x'>") == "&lt;a href='x'&gt;"
-    assert hover("<b>", "word " * 30).count("<br>") == 3
-    assert "<b>" not in hover("<b>")

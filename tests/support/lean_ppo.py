@@ -11,10 +11,11 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecNormalize
 
 from surmount.learn.config import LearnerConfig
-from surmount.learn.mlp import ACTIVATIONS
+from surmount.learn.mlp import ACTIVATIONS, ActorCritic
 from surmount.learn.normaliser import Normaliser
 from surmount.learn.ppo import ResumablePPO
 from surmount.learn.recorder import Recorder
+from surmount.learn.update import Batch, Loss, Objective, ppo_loss
 
 CONFIG = LearnerConfig(num_envs=4, hidden_layers=(32, 16), rollout_steps=64, batch_size=64)
 COLUMNS = ("observations", "actions", "rewards", "episode_starts", "values", "log_probs")
@@ -79,3 +80,11 @@ def update(learner, *, seed: int) -> dict[str, float]:
     np.random.seed(seed)  # noqa: NPY002 - Stable-Baselines3 draws the order of batches from it
     learner.train()
     return dict(learner.logger.name_to_value)
+
+
+def loss_of(networks: ActorCritic, batch: Batch, objective: Objective) -> Loss:
+    """Return the loss alone."""
+    with torch.no_grad():
+        means = networks.actor.forward(batch.observations).outputs
+        values = networks.critic.forward(batch.observations).outputs.flatten()
+        return ppo_loss(means, values, networks.log_std, batch, objective)[0]

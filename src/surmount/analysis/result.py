@@ -25,8 +25,11 @@ from surmount.analysis.suspects import Suspect
 from surmount.core.arrays import FloatArray, IntArray
 from surmount.core.axis import Axes
 from surmount.core.configuration import to_record as config_to_record
+from surmount.core.drawing import Chart, chart, drawn
+from surmount.core.lines import Lines
 from surmount.core.records import read_record, write_record
 from surmount.tasks.curriculum import Curriculum, Group
+from surmount.trials.trials import Trials
 
 _SHOWN_NAMES = 12
 
@@ -139,6 +142,64 @@ class Analysis:
         from surmount.analysis.showing import html_of  # noqa: PLC0415 - which needs this class
 
         return html_of(self)
+
+    def plot_dendrogram(self) -> Chart:
+        """Draw how the variants join, their groups, and the cut (fig. 6).
+
+        This and the methods below return Altair charts: a notebook shows them, ``save("a.svg")``
+        writes them. They need the extra ``report``; without it a ``MissingExtraError`` says so.
+        """
+        return chart("dendrogram", self)
+
+    def plot_distances(self) -> Chart:
+        """Draw the Hellinger distances of every two variants, with the groups framed (fig. 6)."""
+        return chart("distances", self)
+
+    def plot_success(self) -> Chart:
+        """Draw success on each variant, with boundaries of the bootstrap where there was one."""
+        return chart("success", self)
+
+    def plot_stability(self) -> Chart:
+        """Draw how often every two variants were in one group when trials were drawn again.
+
+        Raises
+        ------
+        InputError
+            If the bootstrap was switched off.
+        """
+        return chart("stability", self)
+
+    def plot_fit(self, variant: float | str | None = None, trials: Trials | None = None) -> Chart:
+        """Draw features recorded on a variant beside features drawn from its mixture (fig. 5).
+
+        Parameters
+        ----------
+        variant
+            As :attr:`labels_of_variants` writes it; the one on which K was chosen where absent.
+        trials
+            Those of the analysis. It keeps recorded points of one variant, the one on which K was
+            chosen: of others, without these trials, points of the mixture alone are drawn.
+
+        Raises
+        ------
+        InputError
+            If there is no such variant, or the trials are others.
+        """
+        return chart("fit", self, variant, trials)
+
+    def explain(self) -> Lines:
+        """Walk the evidence from trials to levels, in lines; see :func:`explain_analysis`."""
+        from surmount.analysis.explanation import explain_analysis  # noqa: PLC0415 - as above
+
+        return Lines("\n".join(explain_analysis(self)))
+
+    def report(self, folder: Path | str) -> Path:
+        """Write a page with everything above, and return where it is.
+
+        See :func:`write_analysis_report`.
+        """
+        page: Path = drawn("report", self, Path(folder))
+        return page
 
     @property
     def groups(self) -> tuple[Group, ...]:

@@ -29,14 +29,16 @@ def completion(shell: Annotated[Literal["bash", "zsh", "fish"], tyro.conf.Positi
     Args:
         shell: The shell.
     """
+    subcommand_cli_from_dict(callables(), prog="surmount", args=["--tyro-print-completion", shell])
+    return 0
+
+
+def callables() -> dict[str, Callable[..., Any]]:
+    """Return for each verb what its options are read into, flags of a configuration included."""
     config = preset(TASK, "smoke")
     configured = {
         "reproduce": combined(RunOptions, config, {}),
         "compare": combined(compare.Options, config, {compare.TEACHING: TeachersConfig()}),
         "config": combined(ConfigurationOptions, config, {}),
     }
-    verbs: dict[str, Callable[..., Any]] = {
-        verb: configured.get(verb) or function_of(verb) for verb in VERBS
-    }
-    subcommand_cli_from_dict(verbs, prog="surmount", args=["--tyro-print-completion", shell])
-    return 0
+    return {verb: configured.get(verb) or function_of(verb) for verb in VERBS}

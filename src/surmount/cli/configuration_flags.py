@@ -7,6 +7,7 @@ configuration that these give is what the flags change, and what ``--help`` show
 
 from __future__ import annotations
 
+import argparse
 import ast
 import dataclasses
 import inspect
@@ -28,7 +29,7 @@ from surmount.core.errors import ConfigError
 from surmount.core.records import parse_json
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.presets import preset
+from surmount.experiment.presets import DISPLACING, configured, preset
 
 NOT_FLAGS = ("task", "preset", "fingerprint")
 """Keys that the options or the run itself say."""
@@ -109,7 +110,7 @@ def run_configured(
     for name, default in more.items():
         own = {key: changes.pop(key) for key in [*changes] if key.startswith(f"{name}.")}
         more[name] = _override_below(name, default, own)
-    base = override(begun_with(asked), changes)
+    base = configured(begun_with(asked), changes | _displacing(arguments))
     kind = combined(options, base, more)
     defaults = {name: getattr(base, name) for name in _flag_fields(base)} | more
     parsed: Any = tyro.cli(
@@ -154,6 +155,15 @@ def _table(words: list[str]) -> Arguments:
     if not isinstance(table, dict):
         raise ValueError(f'{words[0]} is no table, such as {{"gamma": 0.98}}')  # noqa: TRY004
     return Arguments(cast("dict[str, Any]", table))
+
+
+def _displacing(arguments: Sequence[str]) -> dict[str, Any]:
+    """Return what flags choose that other values of a preset make way for."""
+    reader = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    for key in DISPLACING:
+        reader.add_argument(f"--{key}", f"--{key.replace('_', '-')}", dest=key)
+    chosen = vars(reader.parse_known_args(arguments)[0])
+    return {key: value for key, value in chosen.items() if value is not None}
 
 
 def _resumes(options: ConfigurationOptions) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Annotated
 
@@ -10,23 +11,31 @@ import tyro
 from surmount.core.errors import ConfigError
 from surmount.core.printing import say
 
+FOLLOW_S = 10.0
+"""Between two looks at a run that is followed."""
+
 
 def report(
     folder: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DIR ...")],
     *,
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None,
+    follow: bool = False,
 ) -> int:
     """Write report.html, report.md, figures and films of a run; works on unfinished runs.
 
     Args:
         folder: The --out folder of a run; of several, with --out, for one page over all of them.
         out: Folder for the page over several runs.
+        follow: Draw the page of a run again whenever a stage is finished, until all are.
     """
-    from surmount.experiment.films import films
-    from surmount.report.pages import write_report
     from surmount.studies.paper.pages import write_overview
 
     if out is not None:
+        if follow:
+            raise ConfigError(
+                "A page over several runs is not followed.",
+                remedy="Leave out --follow, or give one run.",
+            )
         say(f"Report: {write_overview(folder, out).resolve()}")
         return 0
     if len(folder) != 1:
@@ -34,6 +43,39 @@ def report(
             f"There are {len(folder)} runs.",
             remedy="Give one run, or --out for a page over several.",
         )
-    films(folder[0], print)
-    say(f"Report: {write_report(folder[0]).resolve()}")
+    return _follow(folder[0]) if follow else _write(folder[0])
+
+
+def _write(root: Path) -> int:
+    """Write the page, and say what it cannot show yet."""
+    from surmount.experiment.films import films
+    from surmount.report.pages import write_report
+    from surmount.workflow.run_folder import open_run
+
+    run = open_run(root)
+    if run.missing:
+        done = len(run.protocol)
+        say(
+            f"{done} of {done + len(run.missing)} stages are finished; next comes "
+            f"{run.missing[0]}. What learns now: tensorboard --logdir {root / 'logs'}"
+        )
+    films(root, say)
+    say(f"Report: {write_report(root).resolve()}")
     return 0
+
+
+def _follow(root: Path) -> int:
+    """Write the page whenever there is more to show; Ctrl-C ends it."""
+    from surmount.workflow.run_folder import open_run
+
+    shown = -1
+    while True:
+        run = open_run(root)
+        if len(run.protocol) > shown:
+            shown = len(run.protocol)
+            _write(root)
+            if run.missing:
+                say("Reload it in the browser after the next line; Ctrl-C ends this.")
+        if not run.missing:
+            return 0
+        time.sleep(FOLLOW_S)

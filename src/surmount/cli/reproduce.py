@@ -22,11 +22,20 @@ def reproduce(arguments: Sequence[str]) -> int:
 
 
 def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]) -> int:
-    from surmount.cli.summary import print_summary
-    from surmount.experiment.experiment import Experiment
     from surmount.workflow.console import SafeConsole
 
     console = SafeConsole()
+    console.print(
+        f"Into {options.out}. Look at it meanwhile: surmount report --follow {options.out}, or "
+        f"tensorboard --logdir {options.out / 'logs'}",
+        soft_wrap=True,
+        markup=False,
+        highlight=False,
+    )
+    # After the first line: what learns takes seconds to import.
+    from surmount.cli.summary import print_summary
+    from surmount.experiment.experiment import Experiment
+
     experiment = Experiment(chosen, options.out)
     if experiment.run(
         **options.workers.checked(), console=console, amend=options.resume

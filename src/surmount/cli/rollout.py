@@ -58,8 +58,7 @@ def rollout(
 
     import torch
 
-    from surmount.core.configuration import override
-    from surmount.experiment.presets import preset
+    from surmount.experiment.presets import configured, preset
     from surmount.learn.brought_policy import by_network, load_policy, policy_trials
     from surmount.learn.rollout_config import RolloutConfig
     from surmount.trials.table import write_trials
@@ -67,7 +66,7 @@ def rollout(
     from surmount.workflow.store import output_errors
 
     torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
-    chosen = override(preset(environment, "paper"), environment_overrides(config, set))
+    chosen = configured(preset(environment, "paper"), environment_overrides(config, set))
     tries = RolloutConfig(repetitions=repetitions, deterministic=deterministic)
     loaded = {name: load_policy(function) for name, function in named.items()}
     parts = {}

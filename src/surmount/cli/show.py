@@ -16,6 +16,7 @@ from surmount.workflow.run_layout import (
     ANALYSIS_FILE,
     CURRICULUM_FILE,
     RUN,
+    STATISTICS,
     TRAINING_FILE,
 )
 
@@ -54,7 +55,7 @@ def show(file: Annotated[Path, tyro.conf.Positional], *, why: bool = False) -> i
             remedy="Give the analysis.json that was written beside it.",
         )
     else:
-        lines = describe_curriculum(Curriculum.load(path))
+        lines = [*describe_curriculum(Curriculum.load(path)), *_tests_in_run(file)]
     say("\n".join(lines))
     return 0
 
@@ -84,6 +85,16 @@ def _changes_in_run(folder: Path) -> list[str]:
         if changes:
             lines += ["", *describe_changes(f"What was practised in {name}, and why", changes)]
     return lines
+
+
+def _tests_in_run(folder: Path) -> list[str]:
+    """Return what the tests of a finished run tell: whether the curriculum helps."""
+    if not (folder / RUN).is_file() or STATISTICS not in open_run(folder).stages:
+        return []
+    from surmount.report.answer import answer
+    from surmount.report.results import read_run
+
+    return ["", "What testing gave", *(f"  {line}" for line in answer(read_run(folder)).sentences)]
 
 
 def _resolve(path: Path, *, why: bool) -> Path:

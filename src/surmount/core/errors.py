@@ -61,8 +61,8 @@ class IntegrityError(SurmountError):
     exit_code = 5
 
 
-class MissingExtraError(SurmountError):
-    """An optional dependency is not installed."""
+class MissingExtraError(SurmountError, ImportError):
+    """An optional dependency is not installed; an `ImportError` too, as importing may raise it."""
 
     exit_code = 6
 

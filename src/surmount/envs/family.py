@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from surmount.core.arrays import FloatArray, IntArray
@@ -38,12 +39,15 @@ class TaskFamily(ABC):
         A frozen dataclass with a default for every field.
     initial_steps
         Learning steps of the initiation at the paper's scale.
+    calibrated
+        What presets change for this family, by dotted keys of the experiment's configuration.
     """
 
     name: str
     title: str
     settings: type[Any] = NoSettings
     initial_steps: int = USUAL_INITIAL_STEPS
+    calibrated: Mapping[str, Any] = MappingProxyType({})
 
     @abstractmethod
     def space(self, settings: Any) -> TaskSpace:
@@ -56,6 +60,13 @@ class TaskFamily(ABC):
         """
         del settings
         return None
+
+    def published_returns(self) -> Mapping[str, tuple[float, float]]:
+        """Return what publications end at on the target tasks, from and to, by teacher.
+
+        The mean discounted return of the policy as it draws its actions.
+        """
+        return {}
 
     def difficulty(self, variants: FloatArray) -> FloatArray | None:
         """Return how hard variants are known to be, ``(variant,)``, larger is harder.

@@ -9,12 +9,12 @@ from typing import Any, Self
 from rich.console import Console
 
 from surmount.analysis.result import Analysis
-from surmount.core.configuration import override
 from surmount.core.errors import OutputError
 from surmount.core.printing import say
 from surmount.core.records import read_record
 from surmount.experiment.config import ExperimentConfig, fingerprinted
 from surmount.experiment.films import films
+from surmount.experiment.presets import configured
 from surmount.experiment.presets import preset as preset_of
 from surmount.experiment.protocol import protocol
 from surmount.experiment.running import begin, load_config, refuse_other
@@ -94,7 +94,7 @@ class Experiment:
         ConfigError
             If the task, the preset or a key is unknown, or a value cannot be used.
         """
-        return cls(override(preset_of(task, preset), dict(changes or {})), folder)
+        return cls(configured(preset_of(task, preset), changes or {}), folder)
 
     @classmethod
     def open(cls, folder: Path | str) -> Self:
@@ -249,6 +249,17 @@ class Experiment:
             If the run has not come so far.
         """
         return read_record(self._file(STATISTICS, STATISTICS_FILE))
+
+    @property
+    def comparison(self) -> dict[str, Any]:
+        """Teachers compared at equal budgets, as a record.
+
+        Raises
+        ------
+        OutputError
+            If :meth:`compare` has not come so far.
+        """
+        return read_record(self._file(COMPARISON, COMPARISON_FILE))
 
     def _file(self, stage: str, name: str) -> Path:
         artefact = self.found.stages.get(stage)

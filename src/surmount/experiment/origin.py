@@ -7,11 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from surmount.core.configuration import override, to_record
+from surmount.core.configuration import to_record
 from surmount.core.errors import ConfigError, InputError, SurmountError
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig, config_from_record
-from surmount.experiment.presets import preset
+from surmount.experiment.presets import configured, preset
 from surmount.learn.snapshot import TRAINED_ON, Snapshot
 from surmount.workflow.earlier import up_to_date
 from surmount.workflow.opening import opened
@@ -90,7 +90,7 @@ def config_of(
                 remedy="Give --task, such as one of those that `surmount tasks` lists.",
             )
         base = preset(named, "paper")
-    chosen = override(base, changes)
+    chosen = configured(base, changes)
     if chosen.task != base.task:
         raise ConfigError(
             f"The configuration is for {chosen.task}, not for {base.task}.",

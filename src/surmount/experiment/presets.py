@@ -2,27 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
 from surmount.analysis.configuration import AnalysisConfig
-from surmount.core.configuration import nearest
+from surmount.core.configuration import nearest, override, to_record
 from surmount.core.errors import ConfigError
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig, config_class
-from surmount.learn.config import LearnerConfig
+from surmount.learn.config import AUTO, OF_ALL, OWN, LearnerConfig
 from surmount.learn.rollout_config import RolloutConfig
 from surmount.teachers.advancement import AdvancementConfig
 
 PRESETS = ("smoke", "paper")
+ALGORITHM = "learner.algorithm"
+"""Key of the algorithm that learns."""
+TIMES = {
+    "learner.discount": "learner.discount_time_s",
+    "learner.gae_lambda": "learner.gae_time_s",
+}
+"""Keys of factors per step, with those of the times that say the same at any step."""
+DISPLACING = (ALGORITHM, *TIMES)
+"""Keys that others of a preset make way for (:func:`configured`)."""
+
 SMOKE_PERCENT = 20
 """Share of the paper's: enough to learn to drive, not to master the obstacle. Of 15, 20 and 30 the
 first at which the demo's analysis finds more than one group, whatever the arms then did."""
 
 
-def preset(task: str, name: str) -> ExperimentConfig:
+def preset(task: str, name: str, *, calibrated: bool = True) -> ExperimentConfig:
     """Return the configuration of a family of tasks at a scale.
 
     ``paper`` follows the paper's section III, with five networks instead of two. ``smoke`` runs
     every stage on a fraction of the steps and trials, to show the method at work and to test it;
-    its results say nothing about the method's merit.
+    its results say nothing about the method's merit. Both begin from what the family was calibrated
+    to (:attr:`~surmount.envs.family.TaskFamily.calibrated`).
+
+    Parameters
+    ----------
+    task
+        Name of a registered family of tasks, or ``module:function``.
+    name
+        ``"smoke"`` or ``"paper"``.
+    calibrated
+        Whether to begin from that; a search for such settings does not.
 
     Raises
     ------
@@ -33,15 +57,18 @@ def preset(task: str, name: str) -> ExperimentConfig:
         raise ConfigError(f"Unknown preset `{name}`.", remedy=nearest(name, [*PRESETS]))
     family = find_family(task)
     experiment = config_class(family.settings)
+    begun = override(
+        experiment(task=family.name, preset=name, initial_steps=family.initial_steps),
+        family.calibrated if calibrated else {},
+    )
     if name == "paper":
-        return experiment(task=family.name, preset=name, initial_steps=family.initial_steps)
-    return experiment(
-        task=family.name,
-        preset=name,
+        return begun
+    return replace(
+        begun,
         networks=2,
         initial_steps=SMOKE_PERCENT * family.initial_steps // 100,
         checkpoint_steps=20_000,
-        learner=LearnerConfig(rollout_steps=512, batch_size=512, epochs=6),
+        learner=replace(begun.learner, rollout_steps=512, batch_size=512, epochs=6),
         trials=RolloutConfig(repetitions=8),
         analysis=AnalysisConfig(max_components=12),
         advancement=AdvancementConfig(
@@ -53,3 +80,27 @@ def preset(task: str, name: str) -> ExperimentConfig:
         ),
         tests=RolloutConfig(repetitions=8),
     )
+
+
+def configured(config: ExperimentConfig, changes: Mapping[str, Any]) -> ExperimentConfig:
+    """Return a configuration with dotted keys changed.
+
+    What a preset chose makes way for what is asked for: all hyper-parameters of Surmount's own PPO
+    where another algorithm is chosen, a time in seconds where a factor per step is given.
+
+    Raises
+    ------
+    ConfigError
+        If a key is unknown, or a value cannot be used.
+    """
+    algorithm = str(changes.get(ALGORITHM, config.learner.algorithm)).strip('"')
+    if algorithm in (AUTO, OWN) or not config.learner.uses_own_fields:
+        way = {time: None for factor, time in TIMES.items() if factor in changes}
+        return override(config, way | dict(changes))
+    plain = to_record(LearnerConfig())
+    own = {
+        f"learner.{one.name}": plain[one.name]
+        for one in fields(LearnerConfig)
+        if one.name not in OF_ALL
+    }
+    return override(config, own | dict(changes))

@@ -151,15 +151,15 @@ class LearnerConfig:
     length of a curriculum is not known beforehand, so a decay has no end to aim at (assumed)."""
 
     discount: float = 0.99
-    """γ per step (ML-Agents default). Without meaning where `discount_time_s` is given."""
+    """γ per step (ML-Agents default). Given instead of `discount_time_s`."""
 
     discount_time_s: float | None = field(default=None, metadata=absent(None))
     """Time in s after which a reward is worth 1/e: γ = exp(−`step_s` / this), the same
     horizon whatever a step lasts. ``None`` takes γ per step."""
 
     gae_lambda: float = 0.95
-    """λ of generalised advantage estimation per step (ML-Agents default). Without meaning where
-    `gae_time_s` is given."""
+    """λ of generalised advantage estimation per step (ML-Agents default). Given instead of
+    `gae_time_s`."""
 
     gae_time_s: float | None = field(default=None, metadata=absent(None))
     """Time in s after which an advantage leans on the critic for all but 1/e:
@@ -220,6 +220,14 @@ class LearnerConfig:
                 raise ConfigError(
                     f"`learner.{name}` is {getattr(self, name)}.",
                     remedy="Give a value between 0 and 1.",
+                )
+        default = {one.name: one.default for one in fields(self)}
+        for name, time in (("discount", "discount_time_s"), ("gae_lambda", "gae_time_s")):
+            if getattr(self, time) is not None and getattr(self, name) != default[name]:
+                raise ConfigError(
+                    f"`learner.{name}` and `learner.{time}` are given, which say the same in two "
+                    "ways.",
+                    remedy=f'Give one of them; `learner.{time} = "null"` takes the time away.',
                 )
         if not self.hidden_layers or min(self.hidden_layers) < 1:
             raise ConfigError(

@@ -1,7 +1,9 @@
-"""The networks of a Stable-Baselines3 policy as plain matrix products.
+"""The networks of a Stable-Baselines3 policy as plain matrix products, with their gradients.
 
 Calling the policy builds a distribution and walks through a tree of modules for every step,
-which takes several times as long as the products themselves when only nine rows go in.
+which takes several times as long as the products themselves when only nine rows go in. Small
+batches of small networks learn at half the cost without a graph of what was computed
+(docs/adr/0093).
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -17,6 +20,7 @@ from stable_baselines3.common.torch_layers import FlattenExtractor
 from torch.nn import functional
 
 Activation = Callable[[torch.Tensor], torch.Tensor]
+Derivative = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tensor]
 
 
 @dataclass(frozen=True)
@@ -28,23 +32,70 @@ class ActivationKind:
     module
         The module that Stable-Baselines3 builds its networks with.
     function
-        The same, differentiable.
+        The same.
     in_place
         The same, writing over its argument.
+    backward
+        From the gradient in what comes out, what went in and what came out, the gradient in what
+        went in.
     """
 
     module: type[torch.nn.Module]
     function: Activation
     in_place: Activation
+    backward: Derivative
+
+
+def _tanh(values: torch.Tensor) -> torch.Tensor:
+    # NumPy's takes a sixth of the time of PyTorch's on processors with AVX-512.
+    return torch.from_numpy(np.tanh(values.numpy()))
+
+
+def _tanh_in_place(values: torch.Tensor) -> torch.Tensor:
+    entries = values.numpy()
+    np.tanh(entries, out=entries)
+    return values
 
 
 ACTIVATIONS: dict[str, ActivationKind] = {
-    "tanh": ActivationKind(torch.nn.Tanh, torch.tanh, torch.tanh_),
-    "relu": ActivationKind(torch.nn.ReLU, torch.relu, torch.relu_),
+    "tanh": ActivationKind(
+        torch.nn.Tanh,
+        _tanh,
+        _tanh_in_place,
+        lambda gradient, _, after: torch.ops.aten.tanh_backward(gradient, after),
+    ),
+    "relu": ActivationKind(
+        torch.nn.ReLU,
+        torch.relu,
+        torch.relu_,
+        lambda gradient, _, after: torch.ops.aten.threshold_backward(gradient, after, 0),
+    ),
     "silu": ActivationKind(
-        torch.nn.SiLU, functional.silu, lambda values: functional.silu(values, inplace=True)
+        torch.nn.SiLU,
+        functional.silu,
+        lambda values: functional.silu(values, inplace=True),
+        lambda gradient, before, _: torch.ops.aten.silu_backward(gradient, before),
     ),
 }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pass:
+    """What a network computed for a batch, kept for the gradients.
+
+    Attributes
+    ----------
+    outputs
+        Shape ``(row, output)``.
+    inputs
+        What went into each layer, ``(row, input)``; those of the first are the network's.
+    before
+        What went into each activation, ``(row, unit)``.
+    """
+
+    outputs: torch.Tensor
+    inputs: list[torch.Tensor]
+    before: list[torch.Tensor]
 
 
 class MLP:
@@ -62,12 +113,33 @@ class MLP:
         self._layers = layers
         self._activation = activation
 
-    def __call__(self, inputs: torch.Tensor) -> torch.Tensor:
-        """Return the outputs, shape ``(row, output)``, differentiable in the weights."""
+    def forward(self, inputs: torch.Tensor) -> Pass:
+        """Return the outputs for inputs of shape ``(row, input)``, and what led to them."""
         *hidden, last = self._layers
+        entered, before = [inputs], []
         for layer in hidden:
-            inputs = self._activation.function(functional.linear(inputs, layer.weight, layer.bias))
-        return functional.linear(inputs, last.weight, last.bias)
+            before.append(functional.linear(entered[-1], layer.weight, layer.bias))
+            entered.append(self._activation.function(before[-1]))
+        outputs = functional.linear(entered[-1], last.weight, last.bias)
+        return Pass(outputs=outputs, inputs=entered, before=before)
+
+    def backward(self, done: Pass, gradient: torch.Tensor) -> None:
+        """Write the gradients of all weights into their ``grad``, over what stands there.
+
+        Parameters
+        ----------
+        done
+            What :meth:`forward` returned for the weights of now.
+        gradient
+            Of the loss in the outputs, ``(row, output)``.
+        """
+        for place in reversed(range(len(self._layers))):
+            layer = self._layers[place]
+            torch.mm(gradient.t(), done.inputs[place], out=layer.weight.grad)
+            torch.sum(gradient, dim=0, out=layer.bias.grad)
+            if place:
+                after, before = done.inputs[place], done.before[place - 1]
+                gradient = self._activation.backward(gradient @ layer.weight, before, after)
 
     def frozen(self) -> Activation:
         """Return a function that gives the outputs for the weights of now, without gradients.

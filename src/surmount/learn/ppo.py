@@ -23,7 +23,10 @@ from surmount.learn.initialisation import initialise
 from surmount.learn.mlp import ACTIVATIONS, ActorCritic
 from surmount.learn.noise import CorrelatedNoise
 from surmount.learn.rollout_collector import RolloutCollector
-from surmount.learn.update import Batch, Loss, Objective, ppo_loss
+from surmount.learn.update import Batch, Loss, Objective, ppo_gradients
+
+CLIP_EPSILON = 1e-6
+"""Added to the gradient's norm where it is clipped (PyTorch's)."""
 
 
 @contextmanager
@@ -185,7 +188,7 @@ class ResumablePPO(PPO):
             mean_entropy=config.mean_entropy,
             clip_values=config.clip_values,
         )
-        parameters = list(self.policy.parameters())
+        gradient = _joint_gradient(self.policy)
         whole = Batch.whole(self.rollout_buffer)
         if config.normalise_advantages == "rollout":
             whole = whole.with_normalised_advantages()
@@ -193,10 +196,9 @@ class ResumablePPO(PPO):
         self.skipped_updates = 0
         for _ in range(self.n_epochs):
             for batch in whole.shuffled(self.batch_size):
-                loss = ppo_loss(networks, batch, objective)
-                self.policy.optimizer.zero_grad()
-                loss.total.backward()
-                norm = torch.nn.utils.clip_grad_norm_(parameters, self.max_grad_norm)
+                loss = ppo_gradients(networks, batch, objective)
+                norm = torch.linalg.vector_norm(gradient)
+                gradient.mul_(torch.clamp(self.max_grad_norm / (norm + CLIP_EPSILON), max=1.0))
                 losses.append(loss)
                 if is_sound_update(loss.total, norm):
                     self.policy.optimizer.step()
@@ -250,6 +252,16 @@ class ResumablePPO(PPO):
         torch.set_rng_state(torch.from_numpy(state["torch"]))
         kind, position, has_gauss, gauss = state["numpy"]
         np.random.set_state((kind, state["numpy_keys"], position, has_gauss, gauss))  # noqa: NPY002
+
+
+def _joint_gradient(policy: torch.nn.Module) -> torch.Tensor:
+    """Return one array, shape ``(weight,)``, that the gradients of all weights are parts of."""
+    parameters = list(policy.parameters())
+    joint = torch.zeros(sum(parameter.numel() for parameter in parameters))
+    parts = joint.split([parameter.numel() for parameter in parameters])
+    for parameter, part in zip(parameters, parts, strict=True):
+        parameter.grad = part.view_as(parameter)
+    return joint
 
 
 def _mean(values: Sequence[torch.Tensor]) -> float:

@@ -29,6 +29,8 @@ class TrainingEpisodes:
         Whether it succeeded, ``(episode,)``.
     reward
         Sum of its unnormalised rewards, ``(episode,)``.
+    length
+        Steps that it took, ``(episode,)``.
     """
 
     budget: int
@@ -36,6 +38,7 @@ class TrainingEpisodes:
     tasks: FloatArray
     success: BoolArray
     reward: FloatArray
+    length: IntArray
 
 
 def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpisodes:
@@ -50,4 +53,5 @@ def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpis
         tasks=table.select(columns).to_numpy().astype(np.float64),
         success=table["success"].to_numpy().astype(np.bool_),
         reward=table["reward"].to_numpy().astype(np.float64),
+        length=table["length"].to_numpy().astype(np.int64),
     )

@@ -1,4 +1,4 @@
-"""PPO's loss on one batch, and the roll-out as tensors to draw batches from."""
+"""PPO's loss on one batch with its gradients, and the roll-out as tensors to draw batches from."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 from stable_baselines3.common.buffers import RolloutBuffer
-from torch.nn import functional
 
-from surmount.learn.gaussian import entropy, log_densities, log_density
+from surmount.learn.gaussian import entropy, log_densities_of_noise, log_density_of_noise
 from surmount.learn.mlp import ActorCritic
 
 ADVANTAGE_EPSILON = 1e-8
@@ -63,8 +62,9 @@ class Batch:
     def shuffled(self, size: int) -> Iterator[Batch]:
         """Pass once over all rows in random order, drawn as Stable-Baselines3 draws it."""
         order = torch.from_numpy(np.random.permutation(len(self.returns)))  # noqa: NPY002
-        for rows in order.split(size):
-            yield Batch(**{name: values[rows] for name, values in vars(self).items()})
+        parts = {name: values[order].split(size) for name, values in vars(self).items()}
+        for batch in range(len(parts["returns"])):
+            yield Batch(**{name: rows[batch] for name, rows in parts.items()})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +100,7 @@ class Loss:
     Attributes
     ----------
     total
-        The weighted sum, to be differentiated.
+        The weighted sum.
     policy, value, entropy
         Its parts before weighting; the entropy is negated.
     clip_fraction
@@ -117,48 +117,113 @@ class Loss:
     approx_kl: torch.Tensor
 
 
-def ppo_loss(networks: ActorCritic, batch: Batch, objective: Objective) -> Loss:
-    """Return the clipped surrogate loss (Schulman et al. 2017).
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Slopes:
+    """Gradients of the weighted sum of PPO's losses in what the networks gave.
+
+    Attributes
+    ----------
+    means, values
+        Shape ``(row, action)`` and ``(row,)``.
+    log_std
+        ``(action,)``.
+    """
+
+    means: torch.Tensor
+    values: torch.Tensor
+    log_std: torch.Tensor
+
+
+def ppo_gradients(networks: ActorCritic, batch: Batch, objective: Objective) -> Loss:
+    """Return the loss on a batch, and leave its gradients in the weights' ``grad``.
+
+    What stands there is written over; each weight must have one.
+    """
+    with torch.no_grad():
+        actor = networks.actor.forward(batch.observations)
+        critic = networks.critic.forward(batch.observations)
+        loss, slopes = ppo_loss(
+            actor.outputs, critic.outputs.flatten(), networks.log_std, batch, objective
+        )
+        networks.actor.backward(actor, slopes.means)
+        networks.critic.backward(critic, slopes.values[:, None])
+        if networks.log_std.grad is not None:
+            networks.log_std.grad.copy_(slopes.log_std)
+    return loss
+
+
+def ppo_loss(
+    means: torch.Tensor,
+    values: torch.Tensor,
+    log_std: torch.Tensor,
+    batch: Batch,
+    objective: Objective,
+) -> tuple[Loss, Slopes]:
+    """Return the clipped surrogate loss (Schulman et al. 2017) and its gradients.
 
     With densities of whole rows it is Stable-Baselines3's. With one density per action, each
     action's ratio is clipped by itself and weighs alike, as in ML-Agents.
+
+    Parameters
+    ----------
+    means, values
+        What actor and critic give, ``(row, action)`` and ``(row,)``.
+    log_std
+        Logarithm of the standard deviation of each action, ``(action,)``.
+    batch, objective
+        What to learn from, and towards what.
     """
     clip_range = objective.clip_range
     advantages = batch.advantages
     if objective.normalise_advantages and len(advantages) > 1:
         advantages = (advantages - advantages.mean()) / (advantages.std() + ADVANTAGE_EPSILON)
     per_action = batch.log_probs.dim() > 1
-    density = log_densities if per_action else log_density
-    log_probs = density(batch.actions, networks.actor(batch.observations), networks.log_std)
-    log_ratio = log_probs - batch.log_probs
+    precision = torch.exp(-log_std)
+    noise = (batch.actions - means) * precision
+    density = log_densities_of_noise if per_action else log_density_of_noise
+    log_ratio = density(noise, log_std) - batch.log_probs
     ratio = log_ratio.exp()
-    clipped = ratio.clamp(1 - clip_range, 1 + clip_range)
     if per_action:
         advantages = advantages[:, None]
-    policy = -torch.min(advantages * ratio, advantages * clipped).mean()
-    values = networks.critic(batch.observations).flatten()
-    value = functional.mse_loss(values, batch.returns)
+    gain, clipped = advantages * ratio, advantages * ratio.clamp(1 - clip_range, 1 + clip_range)
+    policy = -torch.min(gain, clipped).mean()
+    # Where the clipped gain is the smaller one, the ratio has no say; a density's slope in its
+    # mean is noise / std, in the logarithm of its deviation noise² - 1.
+    pull = torch.where(gain <= clipped, gain, 0.0) / -gain.numel()
+    pull = pull if per_action else pull[:, None]
+    errors = values - batch.returns
+    squares, value_slopes = errors.square(), 2 * errors
     if objective.clip_values:
-        near = batch.values + (values - batch.values).clamp(-clip_range, clip_range)
-        errors = torch.max((values - batch.returns).square(), (near - batch.returns).square())
-        value = errors.mean()
-    negative_entropy = -entropy(networks.log_std)
+        change = values - batch.values
+        near = batch.values + change.clamp(-clip_range, clip_range) - batch.returns
+        outside = (change.abs() > clip_range) & (near.square() > squares)
+        value_slopes = torch.where(outside, 0.0, value_slopes)
+        squares = torch.max(squares, near.square())
+    value = squares.mean()
+    negative_entropy, share = -entropy(log_std), 1.0
     if objective.mean_entropy:
-        negative_entropy = negative_entropy / networks.log_std.numel()
+        share = 1.0 / log_std.numel()
+        negative_entropy = negative_entropy * share
+    slopes = Slopes(
+        means=pull * noise * precision,
+        values=value_slopes * (objective.value_coefficient / errors.numel()),
+        log_std=(pull * (noise.square() - 1)).sum(dim=0) - objective.entropy_coefficient * share,
+    )
     with torch.no_grad():
         clip_fraction = ((ratio - 1).abs() > clip_range).float().mean()
         divergence = ratio - 1 - log_ratio
         approx_kl = (divergence.sum(dim=1) if per_action else divergence).mean()
-    return Loss(
+    loss = Loss(
         total=policy
         + objective.entropy_coefficient * negative_entropy
         + objective.value_coefficient * value,
-        policy=policy.detach(),
-        value=value.detach(),
-        entropy=negative_entropy.detach(),
+        policy=policy,
+        value=value,
+        entropy=negative_entropy,
         clip_fraction=clip_fraction,
         approx_kl=approx_kl,
     )
+    return loss, slopes
 
 
 def _flat(buffer: RolloutBuffer, values: np.ndarray) -> torch.Tensor:

@@ -61,7 +61,7 @@ class TrainingResult:
     skipped_updates, undone_rollouts
         Updates left out and roll-outs undone because numbers were not finite or exploded.
     record
-        All its episodes; ``None`` where they were not recorded, or there were no levels.
+        All its episodes; ``None`` where they were not recorded, or nothing was analysed.
     """
 
     steps: IntArray
@@ -202,7 +202,7 @@ def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
             episodes=int(record["episodes"]),
             diverged_episodes=int(record["diverged_episodes"]),
             level_tests=read_as(tuple[LevelTest, ...], record["level_tests"]),
-            record=_episodes(artefact, analysis) if record["level_tests"] else None,
+            record=_episodes(artefact, analysis),
             **{name: int(count) for name, count in record.get("faults", {}).items()},
         )
 

@@ -6,19 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import plotly.graph_objects as go
-from matplotlib.figure import Figure as StillFigure
-
-from surmount.analysis.features import describe_variant
-from surmount.core.axis import axes_from_record
 from surmount.report.document.parts import (
     Block,
     Column,
     Document,
-    Figure,
     Notice,
-    Panel,
     Paragraph,
     Section,
     Table,
@@ -32,9 +24,7 @@ from surmount.report.document.text import (
     reached,
     signed,
 )
-from surmount.report.figures.palette import INK, SEQUENTIAL
-from surmount.report.figures.plots import compact, plain, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.teachers import sampled_figure, score_figure
 from surmount.report.teacher_changes import changes_section
 from surmount.report.writing import write_document
 from surmount.tasks.curriculum import ONE_GROUP
@@ -42,8 +32,6 @@ from surmount.tasks.curriculum import ONE_GROUP
 NAME = "teachers"
 FEW_NETWORKS = 5
 """Networks below which the page says that nothing can be concluded."""
-COLUMNS = 3
-"""Panels of the figure of what was sampled, side by side."""
 
 Record = Mapping[str, Any]
 
@@ -68,8 +56,8 @@ def document_of_teachers(record: Record) -> Document:
     best = max(teachers, key=lambda teacher: teacher["interquartile_mean"]["estimate"])
     highest = percent(best["interquartile_mean"]["estimate"])
     summary = [
-        f"Highest interquartile mean of success: {best['title']}, {highest}.",
         _sure(teachers),
+        f"Highest interquartile mean of success: {best['title']}, {highest}.",
     ]
     steps = sum(sum(teacher["steps"]) for teacher in teachers)
     notices: list[Notice] = []
@@ -80,7 +68,7 @@ def document_of_teachers(record: Record) -> Document:
         )
         notices.append(Notice(title="Too few networks", sentences=(few,)))
     if len(record["groups"]) == 1 and steps:
-        summary = summary[1:]
+        summary = summary[:1]
         notices.append(Notice(title="One group", sentences=(ONE_GROUP,)))
     if steps == 0:
         summary = ["There was nothing to teach, so nothing can be said of any teacher."]
@@ -96,7 +84,7 @@ def document_of_teachers(record: Record) -> Document:
             "are success rates in these tests; intervals are 95 % bootstrap intervals over "
             "networks (one task family is one stratum), which are too narrow with fewer than ten."
         ),
-        _score_figure(record),
+        score_figure(record),
         _score_table(record),
         _duel_table(record),
         _speed_table(record),
@@ -114,7 +102,7 @@ def document_of_teachers(record: Record) -> Document:
         ),
         sections=(
             Section(anchor="scores", title="Success", blocks=blocks),
-            Section(anchor="sampled", title="What each sampled", blocks=(_sampled_figure(record),)),
+            Section(anchor="sampled", title="What each sampled", blocks=(sampled_figure(record),)),
             *(() if changes is None else (changes,)),
             Section(anchor="settings", title="Settings", blocks=(_settings_table(record),)),
         ),
@@ -231,141 +219,3 @@ def _settings_table(record: Record) -> Table:
         rows=tuple(rows),
         notes=("Learner, levels and test to advance are those of the run: see its own page.",),
     )
-
-
-def _score_figure(record: Record) -> Figure:
-    teachers = record["teachers"][::-1]
-    titles = [teacher["title"] for teacher in teachers]
-    whole = [teacher["interquartile_mean"] for teacher in teachers]
-    estimates = np.array([interval["estimate"] for interval in whole])
-    lower = np.array([estimate if interval["lower"] is None else interval["lower"]
-                      for estimate, interval in zip(estimates, whole, strict=True)])  # fmt: skip
-    upper = np.array([estimate if interval["upper"] is None else interval["upper"]
-                      for estimate, interval in zip(estimates, whole, strict=True)])  # fmt: skip
-    chart = plot(x_title="interquartile mean of success (%)", y_title="")
-    chart.add_trace(
-        go.Scatter(
-            x=compact(100 * estimates),
-            y=[plain(title) for title in titles],
-            mode="markers",
-            marker={"color": INK, "size": 9},
-            error_x={
-                "type": "data",
-                "array": compact(100 * (upper - estimates)),
-                "arrayminus": compact(100 * (estimates - lower)),
-                "color": INK,
-            },
-        )
-    )
-    chart.update_xaxes(range=[-2, 102])
-
-    def still() -> StillFigure:
-        figure, (axis,) = axes_grid(1, 1, height_in=0.9 + 0.26 * len(titles))
-        axis.errorbar(
-            100 * estimates,
-            range(len(titles)),
-            xerr=100 * np.stack([estimates - lower, upper - estimates]),
-            fmt="o",
-            color=INK,
-        )
-        axis.set_yticks(range(len(titles)), titles)
-        axis.set_xlim(-2, 102)
-        axis.set_xlabel("interquartile mean of success (%)")
-        return figure
-
-    return Figure(
-        name="teachers-success",
-        label="",
-        title="Success by teacher",
-        caption=("Interquartile mean over networks and variants, with its bootstrap interval.",),
-        alternative="Points with intervals, one per teacher.",
-        legend=(),
-        panels=(Panel(plot=chart, height_px=120 + 34 * len(titles)),),
-        panel_width_px=520,
-        still=still,
-        data={
-            "teacher": titles,
-            "estimate": estimates.tolist(),
-            "lower": lower.tolist(),
-            "upper": upper.tolist(),
-        },
-    )
-
-
-def _sampled_figure(record: Record) -> Figure:
-    axes = axes_from_record(record.get("axes", {}), record["parameters"])
-    labels = [describe_variant(variant, axes) for variant in record["variants"]]
-    shares = {teacher["title"]: _shares(teacher["sampled"]) for teacher in record["teachers"]}
-    top = max(float(np.nanmax(share)) if np.isfinite(share).any() else 1.0
-              for share in shares.values())  # fmt: skip
-    panels: list[Panel] = []
-    for title, share in shares.items():
-        chart = plot(x_title="part of the training (%)", y_title="variant")
-        middles = 100 * (np.arange(len(share)) + 0.5) / len(share)
-        chart.add_trace(
-            go.Heatmap(
-                x=compact(middles),
-                y=labels,
-                z=compact(100 * share.T),
-                zmin=0,
-                zmax=100 * top,
-                colorscale=[list(stop) for stop in SEQUENTIAL],
-                showscale=not panels,
-                colorbar={"title": {"text": "%"}},
-            )
-        )
-        chart.update_yaxes(type="category")
-        panels.append(Panel(plot=chart, height_px=300, title=title))
-
-    def still() -> StillFigure:
-        rows = -(-len(shares) // COLUMNS)
-        figure, axes = axes_grid(
-            rows, COLUMNS, height_in=0.5 + 2.0 * rows, used=len(shares), share_y=True
-        )
-        ticks = np.unique(np.linspace(0, len(labels) - 1, 6).round().astype(int))
-        for axis, (title, share) in zip(axes, shares.items(), strict=True):
-            axis.imshow(
-                100 * share.T,
-                aspect="auto",
-                origin="lower",
-                extent=(0, 100, -0.5, len(labels) - 0.5),
-                vmin=0,
-                vmax=100 * top,
-                cmap="Blues",
-            )
-            axis.set_title(title, fontsize=7)
-            axis.set_yticks(ticks, [labels[tick] for tick in ticks])
-        for axis in axes[-COLUMNS:]:
-            axis.set_xlabel("part of the training (%)")
-        figure.colorbar(axes[0].images[0], ax=axes, label="episodes (%)", shrink=0.6)
-        return figure
-
-    rows = [
-        (title, part + 1, label, float(share[part, column]))
-        for title, share in shares.items()
-        for part in range(len(share))
-        for column, label in enumerate(labels)
-    ]
-    return Figure(
-        name="teachers-sampled",
-        label="",
-        title="Share of episodes on each variant over the training",
-        caption=("Episodes that ended in each twentieth of the training, over all networks.",),
-        alternative="One map per teacher: time to the right, variants upwards, dark where many "
-        "episodes were.",
-        legend=(),
-        panels=tuple(panels),
-        panel_width_px=340,
-        still=still,
-        data={
-            name: [row[index] for row in rows]
-            for index, name in enumerate(("teacher", "part", "variant", "share"))
-        },
-    )
-
-
-def _shares(counts: Sequence[Sequence[float]]) -> np.ndarray:
-    """Return each part's shares, NaN where no episode ended."""
-    found = np.asarray(counts, dtype=np.float64)
-    total = found.sum(axis=1, keepdims=True)
-    return np.where(total > 0, found / np.maximum(total, 1), np.nan)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from surmount.core.arrays import FloatArray
 from surmount.report.comparison import GroupComparison
-from surmount.report.document.text import p_value, significant
+from surmount.report.document.text import p_value, signed, significant
 from surmount.stats.logrank import LogRank
 from surmount.stats.mixed import MethodContrast
 from surmount.stats.proportions import ProportionTest
@@ -80,11 +81,28 @@ def because(verdict: str, p: float | None, reason: str | None) -> str:
     return f"{verdict} ({words[:1].lower()}{words[1:]})" if words else verdict
 
 
-def group_sentence(entry: GroupComparison) -> str:
-    """Say in one sentence what both tests show in one group."""
+def group_sentence(entry: GroupComparison, differences: FloatArray) -> str:
+    """Say in one sentence what is found in one group.
+
+    Tests over trials take trials of one network for independent. They are told where all networks
+    agree with them; where networks disagree, that is what is said.
+
+    Parameters
+    ----------
+    entry
+        The group.
+    differences
+        Success of each network with the curriculum minus without, shape ``(network,)``.
+    """
     success, time = entry.proportion_test, entry.log_rank
+    head = f"Group “{entry.group}”, curriculum against control: "
+    ahead, behind = int((differences > 0).sum()), int((differences < 0).sum())
+    if ahead and behind:
+        return (
+            f"{head}networks disagree, {ahead} of {differences.size} ahead and {behind} behind; "
+            f"their mean difference is {signed(round(100 * float(differences.mean()), 1))} points."
+        )
     return (
-        f"Group “{entry.group}”, curriculum against control. Success: "
-        f"{because(success_verdict(success), success.p_value, success.reason)}. Completion time: "
-        f"{because(time_verdict(time), time.p_value, time.reason)}."
+        f"{head}success: {because(success_verdict(success), success.p_value, success.reason)}; "
+        f"completion time: {because(time_verdict(time), time.p_value, time.reason)}."
     )

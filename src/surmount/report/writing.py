@@ -43,7 +43,7 @@ def write_document(document: Document, folder: Path, name: str = "report") -> Pa
     path = folder / f"{name}.html"
     figures = document.figures()
     with output_errors(folder):
-        stills = {figure.name: draw(figure.still) for figure in figures}
+        stills = {figure.name: draw(figure.chart) for figure in figures}
         for figure in figures:
             write_still(folder / FIGURES, figure.name, stills[figure.name], figure.data)
         text = markdown(document, page=path.name, figures=FIGURES)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+import altair as alt
 
-from surmount.report.figures.palette import INK, MUTED
-from surmount.report.figures.stills import axes_grid, draw, write_still
+from surmount.report.document.parts import Chart
+from surmount.report.figures.charts import figure, frame, layers, seen, styles, y_of
+from surmount.report.figures.palette import INK, MUTED, PAPER, Series
+from surmount.report.figures.stills import draw, write_still
 
 HARDEST_MM = {"narrow-channel": 180.0, "low-entrance": 55.0, "step": 50.0}
 """The paper's hardest variants (III-C)."""
+FOUND = {
+    False: Series(name="none found", colour=MUTED),
+    True: Series(name="manoeuvre found", colour=INK),
+}
+"""Whether a size is overcome."""
 
 
 def write_capability_figure(record: Mapping[str, Any], folder: Path) -> None:
@@ -27,7 +32,7 @@ def write_capability_figure(record: Mapping[str, Any], folder: Path) -> None:
     folder
         Where the files go.
     """
-    files = draw(lambda: _draw(record))
+    files = draw(_draw(record))
     cells = [(column, cell) for column in record["columns"] for cell in column["cells"]]
     table = {
         **{
@@ -39,46 +44,62 @@ def write_capability_figure(record: Mapping[str, Any], folder: Path) -> None:
     write_still(folder, "capability", files, table)
 
 
-def _draw(record: Mapping[str, Any]) -> Figure:
+def _draw(record: Mapping[str, Any]) -> Chart:
     columns = sorted(record["columns"], key=_order)
-    gears = list(dict.fromkeys(column["gear"] for column in columns))
-    obstacle = record["config"]["obstacle"]
-    by_gear = {
-        gear: [column for column in columns if column["gear"] == gear] for gear in gears
-    } or {"": []}
-    figure, axes = axes_grid(
-        1,
-        len(by_gear),
-        height_in=3.4,
-        share_y=True,
-        width_ratios=[len(of_gear) + 1 for of_gear in by_gear.values()],
-    )
-    for axis, (gear, of_gear) in zip(axes, by_gear.items(), strict=True):
-        for place, column in enumerate(of_gear):
-            sizes = np.array([cell["size_mm"] for cell in column["cells"]])
-            feasible = np.array([cell["feasible"] for cell in column["cells"]])
-            axis.plot(np.full(int(feasible.sum()), place), sizes[feasible], "s", color=INK, ms=5)
-            missed = sizes[~feasible]
-            axis.plot(
-                np.full(missed.size, place), missed, "s", mfc="white", mec=MUTED, mew=1.0, ms=5
+    hardest = HARDEST_MM[record["config"]["obstacle"]]
+    gears = list(dict.fromkeys(column["gear"] for column in columns)) or [""]
+    panels = [
+        _panel(gear, [column for column in columns if column["gear"] == gear], hardest)
+        for gear in gears
+    ]
+    return figure(panels, columns=len(panels), least_px=260)
+
+
+def _panel(gear: str, columns: Sequence[Mapping[str, Any]], hardest: float) -> alt.LayerChart:
+    cells = [(_tick(column), cell) for column in columns for cell in column["cells"]]
+    scaled = any(column["torque_factor"] != 1 for column in columns)
+    ticks = list(dict.fromkeys(tick for tick, _ in cells))
+    line = alt.Chart(frame({"y": [hardest], "told": ["the paper's hardest variant"]}))
+    layer = [
+        line.mark_rule(color=MUTED, strokeDash=[5, 4]).encode(
+            y_of("y", "size in mm"), tooltip=alt.Tooltip("told:N", title="dashed")
+        )
+    ]
+    if cells:
+        points = frame(
+            {
+                "x": [tick for tick, _ in cells],
+                "y": [cell["size_mm"] for _, cell in cells],
+                "series": [FOUND[cell["feasible"]].name for _, cell in cells],
+                "size": [f"{cell['size_mm']:g} mm" for _, cell in cells],
+            }
+        )
+        layer.append(
+            alt.Chart(points)
+            .mark_point(size=60, strokeWidth=1.4, shape="square")
+            .encode(
+                alt.X(
+                    "x:N",
+                    sort=None,
+                    scale=alt.Scale(domain=ticks),
+                    title="friction × factor on torques" if scaled else "friction",
+                    axis=alt.Axis(labelAngle=270 if scaled else 0),
+                ),
+                y_of("y", "size in mm"),
+                opacity=seen(),
+                tooltip=["size:N", alt.Tooltip("series:N", title="here")],
+                **styles([FOUND[True], FOUND[False]], "stroke"),
+                fill=alt.Fill(
+                    "series:N",
+                    title=None,
+                    legend=alt.Legend(title=None, labelLimit=240),
+                    scale=alt.Scale(
+                        domain=[FOUND[True].name, FOUND[False].name], range=[INK, PAPER]
+                    ),
+                ),
             )
-        axis.axhline(HARDEST_MM[obstacle], color=MUTED, lw=0.8, ls="--")
-        axis.set_xticks(range(len(of_gear)), [_tick(column) for column in of_gear])
-        axis.set_xlim(-0.6, len(of_gear) - 0.4)
-        axis.set_title(gear)
-        scaled = any(column["torque_factor"] != 1 for column in of_gear)
-        axis.set_xlabel("friction, below it the factor on torques" if scaled else "friction")
-    axes[0].set_ylabel("size in mm")
-    figure.legend(
-        handles=[
-            Line2D([], [], ls="", marker="s", color=INK, label="manoeuvre found"),
-            Line2D([], [], ls="", marker="s", mfc="white", mec=MUTED, label="none found"),
-            Line2D([], [], color=MUTED, lw=0.8, ls="--", label="paper's hardest"),
-        ],
-        loc="outside lower center",
-        ncols=3,
-    )
-    return figure
+        )
+    return layers(*layer, height=280, title=gear)
 
 
 def _order(column: Mapping[str, Any]) -> tuple[int, float, float]:
@@ -92,4 +113,4 @@ def _order(column: Mapping[str, Any]) -> tuple[int, float, float]:
 
 def _tick(column: Mapping[str, Any]) -> str:
     factor = column["torque_factor"]
-    return f"{column['friction']:g}" + ("" if factor == 1 else f"\n×{factor:g}")
+    return f"{column['friction']:g}" + ("" if factor == 1 else f" × {factor:g}")

@@ -7,20 +7,26 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import altair as alt
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from surmount.report.figures.palette import INK, MUTED
-from surmount.report.figures.stills import axes_grid, draw, write_still
+from surmount.report.document.parts import Chart
+from surmount.report.document.text import percent
+from surmount.report.figures.charts import figure, frame, layers, seen, shares, styles, words, x_of
+from surmount.report.figures.palette import INK, MUTED, Series
+from surmount.report.figures.stills import draw, write_still
 
 OBSTACLES = ("narrow-channel", "low-entrance", "step")
-ROW_IN = 1.25
-"""Height of a row of the figure in inches."""
+HEIGHT_PX = 110
 COLUMNS = 5
 """Plots side by side where there is one obstacle alone."""
-LABEL_CHARACTERS = 18
-"""Length of a line beside a row of the figure: more is higher than the row."""
+LABEL_CHARACTERS = 26
+"""Length of a line above a plot."""
+SERIES = (
+    Series(name="one network", colour=MUTED, dash=(1, 0)),
+    Series(name="mean", colour=INK, dash=(1, 0)),
+    Series(name="the paper's groups", colour="#d55e00", dash=(5, 3)),
+)
 
 
 def write_initiation_figure(record: Mapping[str, Any], folder: Path) -> None:
@@ -34,7 +40,7 @@ def write_initiation_figure(record: Mapping[str, Any], folder: Path) -> None:
     folder
         Where the files go.
     """
-    files = draw(lambda: _draw(record["settings"]))
+    files = draw(_draw(record["settings"]))
     rows = [
         (name, obstacle, network, variant, share)
         for name, setting in record["settings"].items()
@@ -47,62 +53,74 @@ def write_initiation_figure(record: Mapping[str, Any], folder: Path) -> None:
     write_still(folder, "initiations", files, columns)
 
 
-def _draw(settings: Mapping[str, Any]) -> Figure:
+def _draw(settings: Mapping[str, Any]) -> Chart:
     shown = [name for name in OBSTACLES if any(name in s["obstacles"] for s in settings.values())]
-    if len(shown) == 1:
-        figure = _small_multiples(settings, shown[0])
-    else:
-        figure = _table_of_plots(settings, shown or [*OBSTACLES])
-    figure.supylabel("success after the initiation\n(dashed: the paper's groups)", fontsize=8)
-    return figure
-
-
-def _small_multiples(settings: Mapping[str, Any], obstacle: str) -> Figure:
-    """Return one plot per setting in reading order, all of one obstacle."""
-    columns = min(COLUMNS, len(settings))
-    rows = -(-len(settings) // columns)
-    figure, axes = axes_grid(
-        rows, columns, height_in=0.8 + ROW_IN * rows, used=len(settings), share_y=True, share_x=True
-    )
-    for index, (axis, (name, setting)) in enumerate(zip(axes, settings.items(), strict=True)):
-        axis.set_title(name, fontsize=7)
-        if index + columns >= len(settings):  # nothing below
-            axis.set_xlabel(f"{obstacle}, mm")
-            axis.tick_params(labelbottom=True)
-        _plot(axis, setting["obstacles"].get(obstacle))
-    return figure
-
-
-def _table_of_plots(settings: Mapping[str, Any], obstacles: list[str]) -> Figure:
-    """Return a row of plots per setting, a column per obstacle."""
-    count = len(settings)
-    figure, axes = axes_grid(count, len(obstacles), height_in=0.8 + ROW_IN * count, share_y=True)
-    for row, (name, setting) in enumerate(settings.items()):
-        for column, obstacle in enumerate(obstacles):
-            axis = axes[row * len(obstacles) + column]
-            if row == 0:
-                axis.set_title(obstacle)
-            if row == count - 1:
-                axis.set_xlabel("size in mm")
-            _plot(axis, setting["obstacles"].get(obstacle))
-        axes[row * len(obstacles)].set_ylabel(textwrap.fill(name, LABEL_CHARACTERS), fontsize=7)
-    return figure
-
-
-def _plot(axis: Axes, found: Mapping[str, Any] | None) -> None:
-    axis.set_ylim(-0.04, 1.04)
-    if found is None:
-        axis.text(0.5, 0.5, "not run", ha="center", color=MUTED, transform=axis.transAxes)
-        return
-    variants, success = np.array(found["variants"]), np.array(found["success"])
-    for network in success:
-        axis.plot(variants, network, color=MUTED, lw=0.7)
-    axis.plot(variants, success.mean(axis=0), color=INK, lw=1.6)
-    for group in found["groups"]:
-        axis.plot(
-            [group["low_mm"], group["high_mm"]],
-            [group["paper"]] * 2,
-            color="#D55E00",
-            lw=1.4,
-            ls=(0, (2, 1)),
+    obstacles = shown or [*OBSTACLES]
+    alone = len(obstacles) == 1
+    panels = [
+        _panel(
+            name if alone else f"{name}: {obstacle}",
+            setting["obstacles"].get(obstacle),
+            f"{obstacle}, mm",
         )
+        for name, setting in settings.items()
+        for obstacle in obstacles
+    ]
+    columns = min(COLUMNS, len(settings)) if alone else len(obstacles)
+    return figure(panels, columns=columns, least_px=200)
+
+
+def _panel(title: str, found: Mapping[str, Any] | None, x_title: str) -> alt.LayerChart:
+    look = SERIES
+    y = shares("success after the initiation", top=1.04, bottom=-0.04)
+    if found is None:
+        rows = {"text": ["not run"]}
+        middle = words(rows, x=alt.value(50), y=alt.value(HEIGHT_PX / 2), align="center")
+        return layers(middle, height=HEIGHT_PX, title=textwrap.wrap(title, LABEL_CHARACTERS))
+    variants = [float(variant) for variant in found["variants"]]
+    curves = [*found["success"], np.mean(found["success"], axis=0).tolist()]
+    lines = frame(
+        {
+            "x": variants * len(curves),
+            "y": [share for curve in curves for share in curve],
+            "curve": [index for index, curve in enumerate(curves) for _ in curve],
+            "series": [
+                look[0 if index < len(curves) - 1 else 1].name
+                for index, curve in enumerate(curves)
+                for _ in curve
+            ],
+            "success": [percent(share, 1) for curve in curves for share in curve],
+        }
+    )
+    layer = [
+        alt.Chart(lines)
+        .mark_line(strokeWidth=1.6)
+        .encode(
+            x_of("x", x_title, axis=alt.Axis(tickCount=4, grid=False)),
+            y,
+            detail="curve:N",
+            opacity=seen(),
+            **styles(look, "color", "strokeDash"),
+        )
+    ]
+    if found["groups"]:
+        paper = frame(
+            {
+                "x": [group["low_mm"] for group in found["groups"]],
+                "x2": [group["high_mm"] for group in found["groups"]],
+                "y": [group["paper"] for group in found["groups"]],
+                "series": [look[2].name] * len(found["groups"]),
+            }
+        )
+        layer.append(
+            alt.Chart(paper)
+            .mark_rule(strokeWidth=2)
+            .encode(
+                alt.X("x:Q"),
+                alt.Y("y:Q"),
+                x2="x2:Q",
+                opacity=seen(),
+                **styles(look, "color", "strokeDash"),
+            )
+        )
+    return layers(*layer, height=HEIGHT_PX, title=textwrap.wrap(title, LABEL_CHARACTERS))

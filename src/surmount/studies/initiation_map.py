@@ -127,7 +127,7 @@ def initiation_stages(settings: list[Setting], scale: str = "paper") -> list[Sta
                 continue
             for obstacle in setting.obstacles:
                 try:
-                    config = override(preset(obstacle, scale), setting.changes)
+                    config = override(preset(obstacle, scale, calibrated=False), setting.changes)
                 except ConfigError as error:
                     raise ConfigError(
                         f"Setting `{setting.name}`: {error.message}", remedy=error.remedy

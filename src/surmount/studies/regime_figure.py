@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import altair as alt
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from surmount.report.figures.palette import ARM_STYLES, GRID, INK, MUTED
-from surmount.report.figures.stills import axes_grid, draw, write_still
+from surmount.report.document.parts import Chart
+from surmount.report.document.text import percent
+from surmount.report.figures.charts import figure, frame, layers, seen, shares, styles, x_of
+from surmount.report.figures.palette import ARM_STYLES, GRID
+from surmount.report.figures.stills import draw, write_still
 from surmount.workflow.run_layout import CONTROL, CURRICULUM
 
-ROW_IN = 1.75
-"""Height of a row of the figure in inches."""
+HEIGHT_PX = 150
 LANES = {CURRICULUM: 1.18, CONTROL: 1.09}
 """Where marks stand above the curves for the sizes on which an arm succeeds."""
 
@@ -41,46 +42,76 @@ def write_regime_figure(record: Mapping[str, Any], folder: Path) -> None:
     keys = [axis["key"] for axis in record["axes"]]
     names = (*keys, "training", "network", "variant", "success")
     columns = {name: [row[index] for row in rows] for index, name in enumerate(names)}
-    write_still(folder, "regimes", draw(lambda: _draw(record)), columns)
+    write_still(folder, "regimes", draw(_draw(record)), columns)
 
 
-def _draw(record: Mapping[str, Any]) -> Figure:
+def _draw(record: Mapping[str, Any]) -> Chart:
     down, across = record["axes"]
-    n_rows, n_columns = len(down["values"]), len(across["values"])
-    figure, axes = axes_grid(
-        n_rows, n_columns, height_in=0.7 + ROW_IN * n_rows, share_y=True, share_x=True
-    )
-    for index, (axis, cell) in enumerate(zip(axes, record["cells"], strict=True)):
-        row, column = divmod(index, n_columns)
-        _draw_cell(axis, cell, record["hard"], record["solved"])
-        if column == 0:
-            axis.set_ylabel(f"{_leaf(down['key'])} = {cell['values'][0]}", fontsize=7.5)
-        if row == n_rows - 1:
-            axis.set_xlabel(f"{_leaf(across['key'])} = {cell['values'][1]}", fontsize=7.5)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
-    figure.supylabel("success (thick: mean over networks)", fontsize=8)
-    legend = f"marks above: sizes on which at least {100 * record['solved']:.0f} % succeed"
-    figure.supxlabel(f"size in mm (grey: the hard variants, {legend})", fontsize=8)
-    return figure
+    panels = [_panel(cell, down, across, record) for cell in record["cells"]]
+    return figure(panels, columns=len(across["values"]), least_px=220)
 
 
-def _draw_cell(axis: Axes, cell: Mapping[str, Any], hard: Sequence[float], solved: float) -> None:
-    axis.set_ylim(-0.04, 1.25)
-    axis.set_yticks([0.0, 0.5, 1.0])
-    axis.axvspan(hard[0] - 0.5, hard[1] + 0.5, color=GRID, zorder=0)
-    axis.set_title(cell.get("regime", "not run"), color=INK if "regime" in cell else MUTED)
-    sizes = np.asarray(cell.get("variants", []))
-    for kind, style in ARM_STYLES.items():
-        rates = np.asarray(cell.get("success", {}).get(kind, np.empty((0, 0))))
-        for network in rates:
-            axis.plot(sizes, network, color=style.colour, lw=0.5, alpha=0.5)
-        mean = rates.mean(axis=0) if rates.size else np.empty(0)
-        axis.plot(sizes, mean, color=style.colour, ls=style.line, label=style.name, lw=1.8)
+def _panel(
+    cell: Mapping[str, Any],
+    down: Mapping[str, Any],
+    across: Mapping[str, Any],
+    record: Mapping[str, Any],
+) -> alt.LayerChart:
+    look = list(ARM_STYLES.values())
+    low, high = record["hard"][0] - 0.5, record["hard"][1] + 0.5
+    hard = alt.Chart(frame({"x": [low], "x2": [high], "told": ["the hard variants"]}))
+    layer = [
+        hard.mark_rect(color=GRID).encode(
+            x_of("x", "size in mm (grey: the hard variants)", axis=alt.Axis(tickCount=5)),
+            x2="x2:Q",
+            tooltip=alt.Tooltip("told:N", title="grey"),
+        )
+    ]
+    lines: dict[str, list[object]] = {name: [] for name in ("x", "y", "series", "curve", "success")}
+    means: dict[str, list[object]] = {name: [] for name in ("x", "y", "series", "success")}
+    above: dict[str, list[object]] = {name: [] for name in ("x", "y", "series")}
+    sizes = [float(size) for size in cell.get("variants", [])]
+    for kind, matrix in cell.get("success", {}).items():
+        name = ARM_STYLES[kind].name
+        for network, rates in enumerate(matrix):
+            lines["x"] += sizes
+            lines["y"] += rates
+            lines["series"] += [name] * len(sizes)
+            lines["curve"] += [f"{kind} {network}"] * len(sizes)
+            lines["success"] += [percent(rate, 1) for rate in rates]
+        mean = np.mean(matrix, axis=0)
+        means["x"] += sizes
+        means["y"] += mean.tolist()
+        means["series"] += [name] * len(sizes)
+        means["success"] += [percent(rate, 1) for rate in mean.tolist()]
         if kind in LANES:
-            above = sizes[mean >= solved]
-            lane = np.full(above.size, LANES[kind])
-            axis.plot(above, lane, style.point, color=style.colour, ms=2.2, mew=0)
+            solved = [size for size, rate in zip(sizes, mean, strict=True)
+                      if rate >= record["solved"]]  # fmt: skip
+            above["x"] += solved
+            above["y"] += [LANES[kind]] * len(solved)
+            above["series"] += [name] * len(solved)
+    y = shares("success (thick: mean of networks)", top=1.25, bottom=-0.04)
+    told = styles(look, "color", "strokeDash")
+    if means["x"]:
+        layer += [
+            alt.Chart(frame(lines))
+            .mark_line(strokeWidth=0.7)
+            .encode(alt.X("x:Q"), y, detail="curve:N", opacity=seen(0.55), **told),
+            alt.Chart(frame(means))
+            .mark_line()
+            .encode(alt.X("x:Q"), alt.Y("y:Q"), opacity=seen(), **told),
+        ]
+    if above["x"]:
+        layer.append(
+            alt.Chart(frame(above))
+            .mark_point(filled=True, size=14)
+            .encode(alt.X("x:Q"), alt.Y("y:Q"), opacity=seen(), **styles(look, "color", "shape"))
+        )
+    values = ", ".join(
+        f"{_leaf(axis['key'])} = {value}"
+        for axis, value in zip((down, across), cell["values"], strict=True)
+    )
+    return layers(*layer, height=HEIGHT_PX, title=[cell.get("regime", "not run"), values])
 
 
 def _leaf(key: str) -> str:

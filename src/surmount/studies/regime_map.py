@@ -17,11 +17,10 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import BoolArray, FloatArray
-from surmount.core.configuration import override
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_bytes
 from surmount.experiment.config import ExperimentConfig
-from surmount.experiment.presets import preset
+from surmount.experiment.presets import configured, preset
 from surmount.experiment.protocol import protocol
 from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
@@ -169,7 +168,7 @@ def _cell(
     name = ",".join(f"{axis.name}={value}" for axis, value in (row, column))
     changes = {**common, row[0].key: row[1], column[0].key: column[1]}
     try:
-        config = override(preset(obstacle, "paper"), changes)
+        config = configured(preset(obstacle, "paper"), changes)
     except ConfigError as error:
         raise ConfigError(f"Cell {name}: {error.message}", remedy=error.remedy) from error
     return Cell(name=name, values=(row[1], column[1]), config=config)

@@ -57,6 +57,10 @@ class PointMassFamily(TaskFamily):
             upper=centres + reach,
         )
 
+    def published_returns(self) -> Mapping[str, tuple[float, float]]:
+        """Return the end of CURROT's curve."""
+        return {"currot": point_mass.CURROT_RETURN}
+
     def difficulty(self, variants: FloatArray) -> FloatArray:
         """Return how far the gate's nearer edge is from the straight way."""
         return np.abs(variants[:, 0]) - 0.5 * variants[:, 1]

@@ -21,6 +21,7 @@ from surmount.core.axis import (
     values_of,
     variant_text,
 )
+from surmount.core.drawing import Chart, chart
 from surmount.core.errors import InputError
 from surmount.core.records import read_record, write_atomically
 from surmount.tasks.curriculum_check import SCHEMA, SCHEMA_OF_AXES, curriculum_problems
@@ -337,6 +338,21 @@ class Curriculum:
             success_threshold=float(record["success_threshold"]),
             axes=axes,
         )
+
+    def plot(self) -> Chart:
+        """Draw the success of each group, and what each level draws of them.
+
+        Returns
+        -------
+        Chart
+            An Altair chart: a notebook shows it, ``save("curriculum.svg")`` writes it.
+
+        Raises
+        ------
+        MissingExtraError
+            If the extra ``report`` is not installed.
+        """
+        return chart("curriculum", self)
 
     def save(self, path: Path | str) -> None:
         """Write the curriculum as one JSON file, whole or not at all."""

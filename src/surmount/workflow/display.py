@@ -16,15 +16,19 @@ from rich.progress import (
     MofNCompleteColumn,
     Progress,
     TaskID,
+    TaskProgressColumn,
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.table import Column
 
 from surmount.core.printing import escaped
 from surmount.workflow.executor import StageEvent
 from surmount.workflow.monitor import Progress as StageProgress
 from surmount.workflow.store import Artefact, output_errors
 
+WIDE = 90
+"""Characters from which bars have room for numbers beside them."""
 PLAIN_INTERVAL_S = 20.0
 """Without a terminal, each stage prints a progress line at most this often."""
 
@@ -45,16 +49,27 @@ class RunDisplay:
         with output_errors(log.parent):
             log.parent.mkdir(parents=True, exist_ok=True)
             self._log = log.open("a", encoding="utf-8")
-        self._bars = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeRemainingColumn(compact=True),
-            TextColumn("[dim]{task.fields[values]}"),
-            console=console,
-            disable=not console.is_terminal,
+        wide = console.width >= WIDE
+        columns = (
+            (
+                TextColumn("{task.description}"),
+                BarColumn(bar_width=24),
+                MofNCompleteColumn(),
+                TextColumn("{task.fields[rate]}"),
+                TimeRemainingColumn(compact=True),
+                TextColumn("[dim]{task.fields[values]}"),
+            )
+            if wide
+            else (
+                TextColumn("{task.description}", table_column=Column(no_wrap=True, max_width=28)),
+                TaskProgressColumn("{task.percentage:>3.0f} %"),
+                TimeRemainingColumn(compact=True),
+            )
         )
+        # In a notebook bars are boxes that fill a page: it gets lines, as a log file does.
+        self._lively = console.is_terminal and not console.is_jupyter
+        self._bars = Progress(*columns, console=console, disable=not self._lively)
+        self._wide = wide
         self._tasks: dict[str, TaskID] = {}
         self._begun: dict[str, tuple[float, int]] = {}
         self._told_at: dict[str, float] = {}
@@ -98,7 +113,7 @@ class RunDisplay:
     def stage_started(self, stage: str) -> None:
         """Begin a bar."""
         self._tasks[stage] = self._bars.add_task(escape(stage), total=None, rate="", values="")
-        self._say(stage, "begins", quietly=True)
+        self._say(stage, "begins", quietly=self._lively)
 
     def stage_finished(self, artefact: Artefact, seconds: float) -> None:
         """End a bar."""
@@ -125,15 +140,14 @@ class RunDisplay:
         if stage in self._tasks:
             self._bars.update(
                 self._tasks[stage],
-                description=f"{escape(stage)} [dim]{escape(progress.label)}",
+                description=escape(stage)
+                + (f" [dim]{escape(progress.label)}" if self._wide else ""),
                 completed=progress.done,
                 total=None if planned is None else max(planned, progress.done),
                 rate=rate_text,
                 values=escape(values),
             )
-        if not self._console.is_terminal and (
-            now - self._told_at.get(stage, float("-inf")) >= PLAIN_INTERVAL_S
-        ):
+        if not self._lively and (now - self._told_at.get(stage, float("-inf")) >= PLAIN_INTERVAL_S):
             self._told_at[stage] = now
             count = f"{progress.done:,}" + ("" if planned is None else f" of {planned:,}")
             parts = [progress.label, f"{count} {progress.unit}", rate_text]

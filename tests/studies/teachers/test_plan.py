@@ -10,16 +10,20 @@ import pytest
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.analysis.determination import determine_curriculum
 from surmount.core.errors import ConfigError, InputError
+from surmount.core.records import write_record
+from surmount.envs.family import NoSettings
 from surmount.studies.teachers.graph import arms, comparison_stages
-from surmount.studies.teachers.judging import _adjust, against, worst
+from surmount.studies.teachers.judging import _adjust, _returns, against, worst
 from surmount.studies.teachers.learning import oracle_tasks, steps_of
 from surmount.studies.teachers.page import document_of
 from surmount.studies.teachers.plan import ORACLE, read_plan
 from surmount.studies.teachers.reading import answer, verdict, winners
+from surmount.studies.teachers.returns import discounted_returns
 from surmount.suite.families import PointMassFamily
 from surmount.tasks.space import TaskSpace
 from surmount.teachers.catalogue import TEACHERS
 from surmount.trials.trials import Trials
+from surmount.workflow.monitor import SilentMonitor
 
 PLAN = """
 [[task]]
@@ -192,3 +196,66 @@ def test_nobody_wins_where_one_task_is_harmed():
     _adjust(tasks)
     assert winners(tasks) == []
     assert answer(tasks)[0].startswith("No teacher is shown to help")
+
+
+class SameForce:
+    """Pushes all masses alike."""
+
+    def begin(self, trials, rng, *, deterministic):
+        assert not deterministic
+        return lambda observations: np.tile([0.0, -1.0], (trials, 1))
+
+
+def test_returns_are_discounted_and_end_with_their_episode():
+    family = PointMassFamily()
+    tasks = np.array([[0.0, 8.0], [3.0, 0.5]])  # the second one crashes into the wall
+    found = discounted_returns(
+        family.trial_env(NoSettings(), 2),
+        SameForce(),
+        tasks,
+        discount=0.9,
+        seed=3,
+        monitor=SilentMonitor(),
+    )
+    env = family.trial_env(NoSettings(), 2)
+    env.reset(seed=3, options={"variant": tasks})
+    expected, over = [0.0, 0.0], [False, False]
+    for step in range(100):
+        _, rewards, terminated, truncated, _ = env.step(np.tile([0.0, -1.0], (2, 1)))
+        for mass in range(2):
+            if not over[mass]:
+                expected[mass] += 0.9**step * rewards[mass]
+            over[mass] |= bool(terminated[mass] or truncated[mass])
+    assert over == [True, True]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert found[0] > found[1] > 0
+
+
+def test_returns_on_the_targets_stand_beside_the_published_ones(tmp_path):
+    text = PLAN.replace("own_point:make_env", "suite/point-mass")
+    text = text.replace('"alp-gmm"]', '"currot"]\ntowards = "target"').replace("held out", "anchor")
+    (plan,) = plan_of(tmp_path, text)
+    stages = [stage for stage in comparison_stages([plan]) if stage.kind.name == "study-returns"]
+    assert len(stages) == 3 * 3 + 2  # and the oracle's on the pilot
+    assert not [s for s in comparison_stages(plan_of(tmp_path)) if s.kind.name == "study-returns"]
+
+    class Stored:
+        def path(self, name):
+            write_record(tmp_path / name, {"schema": 1, "returns": [5.0, 7.0]})
+            return tmp_path / name
+
+    found = _returns(
+        plan,
+        "currot",
+        {
+            returns_name: Stored()
+            for returns_name in ("suite/point-mass-target/returns/currot/network-1",)
+        },
+    )
+    assert found == {"networks": [6.0], "published": [6.0, 6.3]}
+    assert _returns(plan, "frontier", {}) is None
+    task = task_of(0.2, good=0.1)
+    task["teachers"][0]["returns"] = found
+    assert document_of({"tasks": [task]}).sections[1].blocks[-1].rows == (
+        ("good", "1", "6.00", "6.00 to 6.00", "6.0 to 6.3"),
+    )

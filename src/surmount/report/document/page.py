@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import base64
+import gzip
+import json
 from collections.abc import Mapping
 from importlib import resources
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
-from surmount.report.document.parts import Document, Figure
+from surmount.report.document.parts import Document
+from surmount.report.document.vega import packed
+from surmount.report.figures.palette import DARK
 from surmount.report.figures.stills import StillFiles, csv_text
 
 TEMPLATES = "templates"
@@ -24,7 +27,8 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
     document
         The document; every string in it is escaped by the template.
     stills
-        Still files by the name of their figure, shown in print and where scripts do not run.
+        Pictures by the name of their figure: shown until a figure comes into view and is drawn, in
+        print, and where scripts do not run.
     """
     environment = Environment(
         loader=PackageLoader("surmount.report", TEMPLATES),
@@ -33,23 +37,27 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["plot_json"] = _script_safe
     template = environment.get_template("page.html.j2")
     return template.render(
         document=document,
         data_uri=_data_uri,
-        figures={figure.name: _embedded(figure, stills) for figure in document.figures()},
+        pictures={name: _data_uri(still.svg, "image/svg+xml") for name, still in stills.items()},
         style=Markup(_own("page.css")),  # noqa: S704 - a file of this package
         script=Markup(_own("page.js")),  # noqa: S704 - a file of this package
-        plotly=Markup(get_plotlyjs()),  # noqa: S704 - a file of the Plotly package
+        dark=Markup(json.dumps(DARK)),  # noqa: S704 - names of colours
+        vega=base64.b64encode(packed()).decode(),
+        charts=_packed_charts(document, stills),
     )
 
 
-def _embedded(figure: Figure, stills: Mapping[str, StillFiles]) -> dict[str, str]:
-    return {
-        "csv": _data_uri(csv_text(figure.data).encode(), "text/csv;charset=utf-8"),
-        "svg": _data_uri(stills[figure.name].svg, "image/svg+xml"),
+def _packed_charts(document: Document, stills: Mapping[str, StillFiles]) -> str:
+    """Return specification and data of every figure, packed, so that no text in them is markup."""
+    charts = {
+        figure.name: {"spec": stills[figure.name].spec, "csv": csv_text(figure.data)}
+        for figure in document.figures()
     }
+    content = gzip.compress(json.dumps(charts).encode(), compresslevel=9, mtime=0)
+    return base64.b64encode(content).decode()
 
 
 def _data_uri(content: bytes, kind: str) -> str:
@@ -58,9 +66,3 @@ def _data_uri(content: bytes, kind: str) -> str:
 
 def _own(name: str) -> str:
     return (resources.files("surmount.report") / TEMPLATES / name).read_text(encoding="utf-8")
-
-
-def _script_safe(json: str) -> Markup:
-    """Return JSON that cannot end the script element it stands in, whatever text it holds."""
-    safe = json.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-    return Markup(safe)  # noqa: S704 - nothing in it can be taken for markup any more

@@ -6,60 +6,20 @@ way, so no text from a file is ever taken for markup.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-import plotly.graph_objects as go
-from matplotlib.figure import Figure as StillFigure
+import altair as alt
 
+Chart: TypeAlias = "alt.Chart | alt.LayerChart | alt.ConcatChart"
 Columns = Mapping[str, Sequence[object]]
 """A table of data by column, all of the same length."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class LegendEntry:
-    """One entry of a figure's legend, drawn beside the plots and not in them.
-
-    Attributes
-    ----------
-    text
-        What it stands for.
-    colour
-        Of the swatch.
-    shape
-        Of the swatch.
-    """
-
-    text: str
-    colour: str
-    shape: Literal[
-        "line", "dash", "dot", "square", "circle", "ring", "triangle", "diamond", "cross"
-    ]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Panel:
-    """One interactive plot of a figure.
-
-    Attributes
-    ----------
-    plot
-        The plot.
-    height_px
-        Its height on the screen; its width is what the page has.
-    title
-        Heading of the plot.
-    """
-
-    plot: go.Figure
-    height_px: int
-    title: str = ""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Figure:
-    """A figure: interactive on the screen, still on paper, with the data it shows.
+    """A figure: interactive on the screen, a picture before that and on paper, with its data.
 
     Attributes
     ----------
@@ -71,14 +31,8 @@ class Figure:
         Sentences on how to read it.
     alternative
         What it shows, for those who cannot see it.
-    legend
-        Shared by all panels.
-    panels
-        Interactive plots, laid out side by side where the page is wide enough.
-    panel_width_px
-        Least width of a panel before the layout takes fewer columns.
-    still
-        Draws the same with Matplotlib.
+    chart
+        The one specification that page, Markdown, notebook and files are drawn from.
     data
         What is drawn, for the CSV file.
     """
@@ -88,10 +42,7 @@ class Figure:
     title: str
     caption: tuple[str, ...]
     alternative: str
-    legend: tuple[LegendEntry, ...]
-    panels: tuple[Panel, ...]
-    panel_width_px: int
-    still: Callable[[], StillFigure]
+    chart: Chart
     data: Columns
     kind: Literal["figure"] = "figure"
 
@@ -181,7 +132,7 @@ class Notice:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fold:
-    """Blocks that open on a click, and are always open in print.
+    """Blocks that open on a click.
 
     Attributes
     ----------
@@ -189,10 +140,13 @@ class Fold:
         What is inside.
     blocks
         The content.
+    printed
+        Whether they are opened for printing.
     """
 
     summary: str
     blocks: tuple[Block, ...]
+    printed: bool = True
     kind: Literal["fold"] = "fold"
 
 

@@ -3,41 +3,53 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as StillFigure
-from matplotlib.ticker import MaxNLocator
 
 from surmount.analysis.component_count import BICCurve
 from surmount.analysis.explanation import describe_bic_choice
+from surmount.analysis.features import variant_samples
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
+from surmount.core.errors import InputError
+from surmount.report.document.parts import Columns, Figure
 from surmount.report.document.text import axis_label, name_and_unit
-from surmount.report.figures.palette import INK, PAPER
-from surmount.report.figures.plots import annotate, compact, plain, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.charts import figure, frame, layers, seen, styles, words, x_of, y_of
+from surmount.report.figures.palette import INK, PAPER, RECORDED, Series
+from surmount.trials.trials import Trials
 
-RECORDED = "#444444"
-SAMPLED = "#0072B2"
+SERIES = (
+    Series(name="recorded", colour=RECORDED, shape="circle"),
+    Series(name="drawn from the mixture", colour="#0072b2", shape="cross"),
+)
 BINS = 40
 MOST_FEATURES = 4
 """Pairs are drawn of so many features: six panels, as in the paper."""
+MOST_POINTS = 300
+"""Of each kind that are drawn; all of them are in the data."""
+HEIGHT_PX = 200
+LEAST_PX = 270
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fit:
+    """What is drawn of one variant: points recorded on it and points drawn from its mixture."""
+
+    names: tuple[str, ...]
+    recorded: FloatArray
+    sampled: FloatArray
+
+    def of(self, feature: int) -> tuple[FloatArray, FloatArray]:
+        return self.recorded[:, feature], self.sampled[:, feature]
 
 
 def mixture_fit(analysis: Analysis) -> Figure:
     """Draw all pairs of features of the variant on which K was chosen (paper fig. 5)."""
     names = analysis.features.names[:MOST_FEATURES]
-    pairs = list(itertools.combinations(range(len(names)), 2))
     chosen = analysis.mixtures[analysis.bic_variant].n_components
-    where = _variant(analysis)
-    panels = [_scatter_panel(analysis, first, second) for first, second in pairs]
-    if not pairs:
-        panels.append(_histogram_panel(analysis))
-    if analysis.bic is not None:
-        panels.append(_bic_panel(analysis.bic))
+    where = _variant(analysis, analysis.bic_variant)
     caption = [
         (
             f"Recorded control steps of variant {where} and as many points drawn from its mixture "
@@ -45,6 +57,8 @@ def mixture_fit(analysis: Analysis) -> Figure:
             "it is done there."
         )
     ]
+    if len(analysis.recorded) > MOST_POINTS and len(names) > 1:
+        caption.append(f"Of each cloud {MOST_POINTS} points are drawn; the data have all.")
     if analysis.bic is not None:
         caption.append(_bic_sentence(analysis.bic))
         caption.append(f"K was chosen on {where}, {describe_bic_choice(analysis)}.")
@@ -62,20 +76,65 @@ def mixture_fit(analysis: Analysis) -> Figure:
             f"variant {where}, recorded points beside points sampled from the mixture"
             + (", and the BIC over the number of components." if analysis.bic else ".")
         ),
-        legend=(
-            LegendEntry(text="recorded", colour=RECORDED, shape="circle"),
-            LegendEntry(text="drawn from the mixture", colour=SAMPLED, shape="cross"),
-        ),
-        panels=tuple(panels),
-        panel_width_px=270,
-        still=lambda: _still(analysis, pairs),
+        chart=_chart(_stored(analysis), analysis.bic),
         data=_data(analysis),
     )
 
 
-def _variant(analysis: Analysis) -> str:
+def fit_chart(
+    analysis: Analysis, variant: float | str | None = None, trials: Trials | None = None
+) -> alt.ConcatChart:
+    """Draw the fit on one variant; see :meth:`surmount.Analysis.plot_fit`."""
+    index = analysis.bic_variant if variant is None else _index_of(analysis, variant)
+    if trials is not None:
+        drawn, found = _from_trials(analysis, index, trials), None
+    elif index == analysis.bic_variant:
+        drawn, found = _stored(analysis), analysis.bic
+    else:
+        drawn, found = _sampled(analysis, index, MOST_POINTS), None
+    return _chart(drawn, found).properties(title=f"Variant {_variant(analysis, index)}")
+
+
+def _index_of(analysis: Analysis, variant: float | str) -> int:
+    labels = analysis.labels_of_variants
+    text = variant if isinstance(variant, str) else f"{variant:g}"
+    if text not in labels:
+        raise InputError(
+            f"There is no variant {text}.", remedy=f"Name one of: {', '.join(labels[:12])}."
+        )
+    return labels.index(text)
+
+
+def _stored(analysis: Analysis) -> _Fit:
+    return _Fit(names=analysis.features.names, recorded=analysis.recorded, sampled=analysis.sampled)
+
+
+def _sampled(analysis: Analysis, index: int, size: int) -> _Fit:
+    drawn = analysis.mixtures[index].sample(np.random.default_rng(0), size)
+    return _Fit(names=analysis.features.names, recorded=drawn[:0], sampled=drawn)
+
+
+def _from_trials(analysis: Analysis, index: int, trials: Trials) -> _Fit:
+    data = variant_samples(trials, analysis.config)
+    same = np.isclose(data.variants, analysis.variants[index], rtol=1e-9).all(axis=1)
+    if not same.any() or data.features.names != analysis.features.names:
+        raise InputError(
+            f"These trials have no variant {analysis.label(index)} with the features "
+            f"{', '.join(analysis.features.names)}.",
+            remedy="Give the trials that the analysis was made from.",
+        )
+    scaling = data.features.scaling
+    recorded = data.samples[int(np.flatnonzero(same)[0])] * scaling.scale + scaling.centre
+    return _Fit(
+        names=analysis.features.names,
+        recorded=recorded,
+        sampled=_sampled(analysis, index, len(recorded)).sampled,
+    )
+
+
+def _variant(analysis: Analysis, index: int) -> str:
     unit = name_and_unit(analysis.parameters[0])[1] if len(analysis.parameters) == 1 else ""
-    return f"{analysis.label(analysis.bic_variant)} {unit}".strip()
+    return f"{analysis.label(index)} {unit}".strip()
 
 
 def _bic_sentence(curve: BICCurve) -> str:
@@ -88,175 +147,102 @@ def _bic_sentence(curve: BICCurve) -> str:
     )
 
 
-def _scatter_panel(analysis: Analysis, first: int, second: int) -> Panel:
-    names = analysis.features.names
-    figure = plot(x_title=axis_label(names[first]), y_title=axis_label(names[second]))
-    for points, colour, symbol, size in (
-        (analysis.recorded, RECORDED, "circle", 4),
-        (analysis.sampled, SAMPLED, "x-thin-open", 5),
-    ):
-        figure.add_trace(
-            go.Scatter(
-                x=compact(points[:, first]),
-                y=compact(points[:, second]),
-                mode="markers",
-                marker={
-                    "color": colour,
-                    "symbol": symbol,
-                    "size": size,
-                    "opacity": 0.45,
-                    "line": {"color": colour, "width": 1 if "thin" in symbol else 0},
-                },
-                hoverinfo="skip",
-            )
+def _chart(fit: _Fit, curve: BICCurve | None) -> alt.ConcatChart:
+    pairs = list(itertools.combinations(range(min(MOST_FEATURES, len(fit.names))), 2))
+    panels = _clouds(fit, pairs) if pairs else [_histograms(fit)]
+    if curve is not None:
+        panels.append(_bic_panel(curve))
+    return figure(panels, columns=3, least_px=LEAST_PX, zoom=True)
+
+
+def _clouds(fit: _Fit, pairs: list[tuple[int, int]]) -> list[alt.LayerChart]:
+    both = [_thinned(fit.recorded), _thinned(fit.sampled)]
+    shown = np.concatenate(both)
+    rows: dict[str, list[object]] = {
+        "series": [one.name for one, own in zip(SERIES, both, strict=True) for _ in own]
+    }
+    rows |= {f"f{index}": shown[:, index].tolist() for index in range(shown.shape[1])}
+    base = alt.Chart(frame(rows)).mark_point(size=22, strokeWidth=1.1, clip=True)
+    return [
+        layers(
+            base.encode(
+                x_of(f"f{first}", axis_label(fit.names[first])),
+                y_of(f"f{second}", axis_label(fit.names[second])),
+                opacity=seen(0.6),
+                **styles(SERIES, "color", "shape"),
+            ),
+            height=HEIGHT_PX,
         )
-    return Panel(plot=figure, height_px=250)
+        for first, second in pairs
+    ]
 
 
-def _histograms(analysis: Analysis) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return edges of bins, and the shares of recorded and sampled values of the one feature."""
-    both = (analysis.recorded[:, 0], analysis.sampled[:, 0])
-    edges = np.histogram_bin_edges(np.concatenate(both), bins=BINS)
-    recorded, sampled = (np.histogram(values, edges)[0] / values.size for values in both)
-    return edges, recorded, sampled
+def _thinned(points: FloatArray) -> FloatArray:
+    every = np.linspace(0, len(points) - 1, min(MOST_POINTS, len(points)))
+    return points[np.round(every).astype(np.int64), :MOST_FEATURES]
 
 
-def _histogram_panel(analysis: Analysis) -> Panel:
-    edges, *shares = _histograms(analysis)
-    figure = plot(x_title=axis_label(analysis.features.names[0]), y_title="share")
-    for values, colour in zip(shares, (RECORDED, SAMPLED), strict=True):
-        figure.add_trace(
-            go.Scatter(
-                x=edges,
-                y=[*values.tolist(), 0.0],
-                mode="lines",
-                line={"color": colour, "width": 2, "shape": "hv"},
-                hoverinfo="skip",
-            )
+def _histograms(fit: _Fit) -> alt.LayerChart:
+    edges = np.histogram_bin_edges(np.concatenate(fit.of(0)), bins=BINS)
+    rows: dict[str, list[object]] = {"x": [], "y": [], "series": []}
+    for one, values in zip(SERIES, fit.of(0), strict=True):
+        share = np.histogram(values, edges)[0] / max(1, values.size)
+        rows["x"] += edges.tolist()
+        rows["y"] += [*share.tolist(), 0.0]
+        rows["series"] += [one.name] * edges.size
+    line = (
+        alt.Chart(frame(rows))
+        .mark_line(interpolate="step-after", clip=True)
+        .encode(
+            x_of("x", axis_label(fit.names[0])),
+            y_of("y", "share", zero=True),
+            opacity=seen(),
+            **styles(SERIES, "color"),
         )
-    return Panel(plot=figure, height_px=250)
+    )
+    return layers(line, height=HEIGHT_PX)
 
 
-def _bic_panel(curve: BICCurve) -> Panel:
-    figure = plot(x_title="components K", y_title="BIC, thousands")
+def _bic_panel(curve: BICCurve) -> alt.LayerChart:
     values = [value / 1000 for value in curve.values]
-    figure.add_trace(
-        go.Scatter(
-            x=curve.components,
-            y=values,
-            mode="lines+markers",
-            line={"color": INK, "width": 1.5},
-            marker={
-                "size": 7,
-                "color": [INK if done else PAPER for done in curve.converged],
-                "line": {"color": INK, "width": 1.5},
-            },
-            hovertext=[
-                plain(f"K = {count}: BIC {value:,.0f}" + ("" if done else ", not converged"))
-                for count, value, done in zip(
-                    curve.components, curve.values, curve.converged, strict=True
-                )
-            ],
-            hoverinfo="text",
+    base = alt.Chart(
+        frame(
+            {
+                "x": curve.components,
+                "y": values,
+                "K": [str(count) for count in curve.components],
+                "BIC": [f"{value:,.0f}" for value in curve.values],
+                "converged": ["yes" if done else "no" for done in curve.converged],
+            }
         )
+    ).encode(
+        x_of("x", "components K", axis=alt.Axis(tickMinStep=1, format="d")),
+        y_of("y", "BIC, thousands"),
+        tooltip=["K:N", "BIC:N", "converged:N"],
     )
-    height = values[curve.components.index(curve.chosen)]
-    figure.add_trace(
-        go.Scatter(
-            x=[curve.chosen],
-            y=[height],
-            mode="markers",
-            marker={"size": 15, "color": SAMPLED, "symbol": "circle-open", "line": {"width": 2.5}},
-            hoverinfo="skip",
-        )
+    fill = alt.Fill(
+        "converged:N", scale=alt.Scale(domain=["yes", "no"], range=[INK, PAPER]), legend=None
     )
-    figure.add_vline(x=curve.chosen, line={"color": SAMPLED, "width": 1, "dash": "dot"})
-    annotate(
-        figure,
-        f"K = {curve.chosen} taken",
-        x=curve.chosen,
-        y=1.0,
-        yref="paper",
-        yanchor="top",
-        xanchor="right" if _right_of_middle(curve) else "left",
-        xshift=-4 if _right_of_middle(curve) else 4,
+    place = curve.components.index(curve.chosen)
+    right = 2 * curve.chosen > curve.components[0] + curve.components[-1]
+    taken = {"x": [curve.chosen], "y": [values[place]], "text": [f"K = {curve.chosen} taken"]}
+    mark = alt.Chart(frame(taken)).encode(alt.X("x:Q"), alt.Y("y:Q"))
+    return layers(
+        base.mark_line(color=INK, strokeWidth=1.5, clip=True),
+        base.mark_point(color=INK, size=45, opacity=1, clip=True).encode(fill),
+        mark.mark_point(color=SERIES[1].colour, size=220, strokeWidth=2.5, clip=True),
+        words(
+            taken,
+            y=alt.value(2),
+            align="right" if right else "left",
+            baseline="top",
+            dx=-5 if right else 5,
+        ),
+        mark.mark_rule(color=SERIES[1].colour, strokeDash=[2, 2]).encode(
+            y=alt.value(0), y2=alt.value(HEIGHT_PX)
+        ),
+        height=HEIGHT_PX,
     )
-    return Panel(plot=figure, height_px=250)
-
-
-def _right_of_middle(curve: BICCurve) -> bool:
-    """Return whether the chosen K stands right of the middle, so that its label fits left of it."""
-    return 2 * curve.chosen > curve.components[0] + curve.components[-1]
-
-
-def _still(analysis: Analysis, pairs: list[tuple[int, int]]) -> StillFigure:
-    count = max(len(pairs), 1) + (analysis.bic is not None)
-    columns = min(3, count)
-    rows = -(-count // columns)
-    figure, axes = axes_grid(rows, columns, height_in=1.95 * rows + 0.25, used=count)
-    for (first, second), ax in zip(pairs, axes, strict=False):
-        _draw_pair(ax, analysis, first, second)
-    if not pairs:
-        _draw_histograms(axes[0], analysis)
-    if analysis.bic is not None:
-        _draw_bic(axes[-1], analysis.bic)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=2, markerscale=2.0)
-    return figure
-
-
-def _draw_pair(ax: Axes, analysis: Analysis, first: int, second: int) -> None:
-    names = analysis.features.names
-    clouds: tuple[tuple[FloatArray, str, str, str], ...] = (
-        (analysis.recorded, RECORDED, ".", "recorded"),
-        (analysis.sampled, SAMPLED, "x", "drawn from the mixture"),
-    )
-    for points, colour, marker, label in clouds:
-        ax.scatter(
-            points[:, first],
-            points[:, second],
-            s=6,
-            c=colour,
-            marker=marker,
-            alpha=0.45,
-            linewidths=0.5,
-            label=label,
-            rasterized=True,
-        )
-    ax.set_xlabel(axis_label(names[first]))
-    ax.set_ylabel(axis_label(names[second]))
-
-
-def _draw_histograms(ax: Axes, analysis: Analysis) -> None:
-    edges, recorded, sampled = _histograms(analysis)
-    ax.stairs(recorded, edges, color=RECORDED, label="recorded")
-    ax.stairs(sampled, edges, color=SAMPLED, label="drawn from the mixture")
-    ax.set_xlabel(axis_label(analysis.features.names[0]))
-    ax.set_ylabel("share")
-
-
-def _draw_bic(ax: Axes, curve: BICCurve) -> None:
-    values = [value / 1000 for value in curve.values]
-    ax.plot(curve.components, values, color=INK)
-    for count, value, done in zip(curve.components, values, curve.converged, strict=True):
-        ax.plot(count, value, "o", ms=3.5, mec=INK, mfc=INK if done else PAPER)
-    height = values[curve.components.index(curve.chosen)]
-    ax.plot(curve.chosen, height, "o", ms=8, mfc="none", mec=SAMPLED, mew=1.5)
-    ax.axvline(curve.chosen, color=SAMPLED, lw=0.8, ls=":")
-    left = _right_of_middle(curve)
-    ax.annotate(
-        f"K = {curve.chosen} taken",
-        (curve.chosen, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(-3 if left else 3, -2),
-        textcoords="offset points",
-        ha="right" if left else "left",
-        va="top",
-        fontsize=7,
-    )
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("components K")
-    ax.set_ylabel("BIC, thousands")
 
 
 def _data(analysis: Analysis) -> Columns:

@@ -2,40 +2,34 @@
 
 from __future__ import annotations
 
-import numpy as np
-import plotly.graph_objects as go
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as StillFigure
+from collections.abc import Sequence
+
+import altair as alt
 
 from surmount.analysis.cut import may_divide
 from surmount.analysis.result import Analysis
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
-from surmount.report.document.text import number, percent, short
+from surmount.report.document.parts import Columns, Figure
+from surmount.report.document.text import number
+from surmount.report.figures.charts import figure, frame, layers, seen, styles, words, x_of, y_of
 from surmount.report.figures.dendrogram_layout import DendrogramLayout, layout
-from surmount.report.figures.palette import INK, MUTED, PAPER, group_colour
-from surmount.report.figures.plots import compact, hover, plain, plot
-from surmount.report.figures.stills import axes_grid
-from surmount.report.figures.variant_matrix import draw_matrix, matrix_panel, variant_title
+from surmount.report.figures.palette import ABOVE, INK, Series
+from surmount.report.figures.variant_matrix import (
+    group_styles,
+    matrix_panel,
+    variant_names,
+    variant_title,
+)
 
-ABOVE = "#555555"
-"""Links above all groups."""
-LEAF_PX = 15
+LEAF_PX = 14
+LEAST_PX = 340
 HEIGHT_TITLE = "Hellinger distance at which variants join"
+LOOSE = Series(name="above the groups", colour=ABOVE, dash=(1, 0))
 
 
 def distances_and_groups(analysis: Analysis) -> Figure:
     """Draw the distance matrix and the dendrogram (paper fig. 6)."""
     drawn = layout(analysis)
     n = analysis.variants.shape[0]
-    height = max(330, LEAF_PX * n + 80)
-    panels = [
-        Panel(
-            plot=matrix_panel(analysis, analysis.distances, "distance {:.3f}".format),
-            height_px=height,
-            title="Distances between variants",
-        ),
-        Panel(plot=_tree_panel(analysis, drawn), height_px=height, title="Dendrogram and groups"),
-    ]
     names = [group.name for group in analysis.groups]
     return Figure(
         name="figure-6-distances-and-groups",
@@ -46,24 +40,27 @@ def distances_and_groups(analysis: Analysis) -> Figure:
             f"Heat map of the Hellinger distances between {n} variants, and a dendrogram of the "
             f"same variants in {len(names)} coloured groups: {', '.join(names)}."
         ),
-        legend=(
-            *(
-                LegendEntry(text=name, colour=group_colour(index), shape="line")
-                for index, name in enumerate(names)
-            ),
-            LegendEntry(text="above the groups", colour=ABOVE, shape="line"),
-            LegendEntry(text="the rule divides here", colour=INK, shape="diamond"),
-            *(
-                [LegendEntry(text="cut", colour=INK, shape="dash")]
-                if drawn.cut_height is not None
-                else []
-            ),
+        chart=figure(
+            [
+                _distance_panel(analysis, [*group_styles(analysis), LOOSE]),
+                _tree_panel(analysis, drawn),
+            ],
+            columns=2,
+            least_px=LEAST_PX,
         ),
-        panels=tuple(panels),
-        panel_width_px=340,
-        still=lambda: _still(analysis, drawn),
         data=_data(analysis),
     )
+
+
+def distance_chart(analysis: Analysis) -> alt.ConcatChart:
+    """Draw the distances alone."""
+    return figure([_distance_panel(analysis)], columns=1, least_px=LEAST_PX, width_px=480)
+
+
+def dendrogram_chart(analysis: Analysis) -> alt.ConcatChart:
+    """Draw the dendrogram alone."""
+    panel = _tree_panel(analysis, layout(analysis))
+    return figure([panel], columns=1, least_px=LEAST_PX, width_px=560)
 
 
 def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
@@ -94,103 +91,113 @@ def _caption(analysis: Analysis, drawn: DendrogramLayout) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _tree_panel(analysis: Analysis, drawn: DendrogramLayout) -> go.Figure:
-    figure = plot(x_title=HEIGHT_TITLE, y_title=variant_title(analysis))
-    labels = [analysis.label(leaf) for leaf in drawn.leaves]
-    for group in [-1, *range(len(analysis.groups))]:
-        x: list[float | None] = []
-        y: list[float | None] = []
-        for link in np.flatnonzero(drawn.group == group):
-            left, right, top = drawn.heights[link].tolist()
-            first, second = drawn.positions[link].tolist()
-            x += [left, top, top, right, None]
-            y += [first, first, second, second, None]
-        if x:
-            colour = ABOVE if group < 0 else group_colour(group)
-            figure.add_trace(
-                go.Scatter(
-                    x=x, y=y, mode="lines", line={"color": colour, "width": 2}, hoverinfo="skip"
-                )
+def _height(analysis: Analysis) -> int:
+    return max(300, LEAF_PX * analysis.variants.shape[0])
+
+
+def _distance_panel(analysis: Analysis, series: Sequence[Series] = ()) -> alt.LayerChart:
+    return matrix_panel(
+        analysis,
+        analysis.distances,
+        "distance {:.3f}".format,
+        height=_height(analysis),
+        title="Distances between variants: light is alike (0), dark is far (1)",
+        series=series,
+    )
+
+
+def _tree_panel(analysis: Analysis, drawn: DendrogramLayout) -> alt.LayerChart:
+    names = variant_names(analysis)
+    labels = [names[leaf] for leaf in drawn.leaves]
+    series = [*group_styles(analysis), LOOSE]
+    of_link = [series[group].name for group in drawn.group]  # −1, above all groups, is the last
+    top = 1.06 * float(drawn.heights[:, 2].max() or 1.0)
+    x = x_of("x", HEIGHT_TITLE, domain=(0, top))
+    y = y_of("y", variant_title(analysis), domain=(-0.6, len(labels) - 0.4), reverse=True,
+             axis=alt.Axis(labels=False, ticks=False, grid=False, titlePadding=44))  # fmt: skip
+    corners = {"x": [], "y": [], "link": [], "corner": [], "series": []}
+    for link, (left, right, height) in enumerate(drawn.heights.tolist()):
+        first, second = drawn.positions[link].tolist()
+        corners["x"] += [left, height, height, right]
+        corners["y"] += [first, first, second, second]
+        corners["link"] += [link] * 4
+        corners["corner"] += range(4)
+        corners["series"] += [of_link[link]] * 4
+    tree = (
+        alt.Chart(frame(corners))
+        .mark_line()
+        .encode(
+            x,
+            y,
+            detail="link:N",
+            order="corner:Q",
+            opacity=seen(),
+            **styles(series, "color", "strokeDash"),
+        )
+    )
+    layer = [tree, *_links(analysis, drawn, of_link, series)]
+    if drawn.cut_height is not None:
+        cut = alt.Chart(frame({"x": [drawn.cut_height], "told": ["the groups are cut here"]}))
+        layer.append(
+            cut.mark_rule(color=INK, strokeDash=[5, 4]).encode(
+                x, tooltip=alt.Tooltip("told:N", title="cut")
             )
-    _add_links(figure, analysis, drawn)
-    if drawn.cut_height is not None:
-        figure.add_vline(x=drawn.cut_height, line={"color": INK, "width": 1.2, "dash": "dash"})
-    n = len(labels)
-    figure.update_yaxes(
-        tickvals=list(range(n)),
-        ticktext=[plain(label) for label in labels],
-        range=[n - 0.4, -0.6],
-        showgrid=False,
-        tickfont={"size": 11},
-    )
-    figure.update_xaxes(range=[0, 1.06 * float(drawn.heights[:, 2].max() or 1.0)])
-    return figure
-
-
-def _add_links(figure: go.Figure, analysis: Analysis, drawn: DendrogramLayout) -> None:
-    """Add a point on every link that tells its numbers; those that divide are diamonds."""
-    texts = [
-        hover(
-            f"{int(analysis.linkage[link, 3])} variants join at {drawn.heights[link, 2]:.3f}",
-            f"{analysis.cut.method}: {number(float(analysis.cut.statistic[link]))}"
-            + (f", cut-off {analysis.cut.cut_off:g}" if analysis.cut.cut_off else ""),
-            f"inconsistency {analysis.inconsistency[link]:.2f}, over depth 2 "
-            f"{analysis.inconsistency_depth_2[link]:.2f}",
-            "divides" if drawn.divided[link] else "does not divide",
         )
-        for link in range(drawn.group.size)
+    layer.append(
+        words(
+            {"y": list(range(len(labels))), "text": labels},
+            x=alt.value(-6),
+            align="right",
+            baseline="middle",
+            size=10,
+        )
+    )
+    title = "Dendrogram: the rule divides at diamonds"
+    if drawn.cut_height is not None:
+        title += ", the dashed line is the cut"
+    return layers(*layer, height=_height(analysis), title=title)
+
+
+def _links(
+    analysis: Analysis, drawn: DendrogramLayout, of_link: list[str], series: list[Series]
+) -> list[alt.Chart]:
+    """Return points on the links that tell their numbers; those that divide are diamonds."""
+    links = range(drawn.group.size)
+    points = frame(
+        {
+            "x": drawn.heights[:, 2],
+            "y": drawn.positions.mean(axis=1),
+            "series": of_link,
+            "divides": ["yes" if cut else "no" for cut in drawn.divided],
+            "joins": [
+                f"{int(analysis.linkage[link, 3])} variants at {drawn.heights[link, 2]:.3f}"
+                for link in links
+            ],
+            "rule": [
+                f"{analysis.cut.method} {number(float(analysis.cut.statistic[link]))}"
+                + (f", cut-off {analysis.cut.cut_off:g}" if analysis.cut.cut_off else "")
+                for link in links
+            ],
+            "inconsistency": [
+                f"{analysis.inconsistency[link]:.2f}, over depth 2 "
+                f"{analysis.inconsistency_depth_2[link]:.2f}"
+                for link in links
+            ],
+        }
+    )
+    base = alt.Chart(points).encode(
+        x_of("x", HEIGHT_TITLE),
+        y_of("y", None),
+        tooltip=[f"{name}:N" for name in ("joins", "rule", "inconsistency", "divides")],
+    )
+    plain = base.transform_filter("datum.divides == 'no'").mark_point(filled=True, size=24)
+    sharp = base.transform_filter("datum.divides == 'yes'").mark_point(
+        filled=True, size=90, shape="diamond", color=INK
+    )
+    return [
+        plain.encode(opacity=seen(), **styles(series, "color")),
+        sharp,
     ]
-    figure.add_trace(
-        go.Scatter(
-            x=compact(drawn.heights[:, 2]),
-            y=compact(drawn.positions.mean(axis=1)),
-            mode="markers",
-            marker={
-                "symbol": ["diamond" if cut else "circle" for cut in drawn.divided],
-                "size": [11 if cut else 5 for cut in drawn.divided],
-                "color": [
-                    INK if cut else (ABOVE if group < 0 else group_colour(int(group)))
-                    for cut, group in zip(drawn.divided, drawn.group, strict=True)
-                ],
-                "line": {"color": PAPER, "width": 0.5},
-            },
-            hovertext=texts,
-            hoverinfo="text",
-        )
-    )
-
-
-def _still(analysis: Analysis, drawn: DendrogramLayout) -> StillFigure:
-    n = analysis.variants.shape[0]
-    figure, (matrix, tree) = axes_grid(1, 2, height_in=max(3.2, 0.115 * n + 0.9))
-    draw_matrix(figure, matrix, analysis, analysis.distances, "Hellinger distance")
-    _draw_tree(tree, analysis, drawn)
-    return figure
-
-
-def _draw_tree(ax: Axes, analysis: Analysis, drawn: DendrogramLayout) -> None:
-    for link in range(drawn.group.size):
-        left, right, top = drawn.heights[link]
-        first, second = drawn.positions[link]
-        group = int(drawn.group[link])
-        colour = ABOVE if group < 0 else group_colour(group)
-        ax.plot([left, top, top, right], [first, first, second, second], color=colour)
-        if drawn.divided[link]:
-            ax.plot(top, (first + second) / 2, "D", ms=5, color=INK, zorder=3)
-    if drawn.cut_height is not None:
-        ax.axvline(drawn.cut_height, color=INK, lw=0.9, ls="--")
-    for index, group in enumerate(analysis.groups):
-        colour = group_colour(index)
-        ax.plot([], [], color=colour, label=f"{short(group.name)} ({percent(group.success_rate)})")
-    # Above the axes, where no link runs beneath it.
-    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-    labels = [analysis.label(leaf) for leaf in drawn.leaves]
-    ax.set_yticks(range(len(labels)), labels, fontsize=6.5)
-    ax.set_ylim(len(labels) - 0.4, -0.6)
-    ax.set_xlim(0, 1.06 * float(drawn.heights[:, 2].max() or 1.0))
-    ax.set_xlabel(HEIGHT_TITLE)
-    ax.set_ylabel(variant_title(analysis))
-    ax.tick_params(axis="y", colors=MUTED)
 
 
 def _data(analysis: Analysis) -> Columns:

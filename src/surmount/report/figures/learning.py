@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as StillFigure
 
-from surmount.report.document.parts import Figure, LegendEntry, Panel
+from surmount.report.document.parts import Figure
 from surmount.report.document.text import MINUS, counted, integer, number, percent
+from surmount.report.figures.charts import (
+    figure,
+    frame,
+    layers,
+    seen,
+    shares,
+    styles,
+    words,
+    x_of,
+    y_of,
+)
 from surmount.report.figures.curves import (
     Curve,
     Measure,
@@ -20,9 +29,7 @@ from surmount.report.figures.curves import (
     levels_of,
     tests_of,
 )
-from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, arm_lines, translucent
-from surmount.report.figures.plots import annotate, compact, hover, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, Series
 from surmount.teachers.teacher import Decision, LevelTest
 from surmount.workflow.run_layout import CURRICULUM, TRAININGS
 
@@ -30,15 +37,21 @@ TITLES = {
     "reward": "mean reward per step",
     "success": "success of episodes",
 }
-DECISIONS: dict[Decision, tuple[str, str, str, str]] = {
-    "extend": ("level extended", "circle", "o", PAPER),
-    "advance": ("level passed", "triangle-up", "^", INK),
-    "advance at the limit": ("left at the limit of extensions", "square", "s", INK),
+DECISIONS: dict[Decision, Series] = {
+    "extend": Series(name="level extended", colour=PAPER, shape="circle"),
+    "advance": Series(name="level passed", colour=INK, shape="triangle-up"),
+    "advance at the limit": Series(
+        name="left at the limit of extensions", colour=INK, shape="square"
+    ),
 }
-"""Name, Plotly's symbol, Matplotlib's marker and filling of each decision."""
+"""How each decision is marked."""
 RARE = 0.02
 """Share of roll-outs that may lie below the panels."""
-BAND = "#0072B2"
+BAND = "#0072b2"
+MOST_POINTS = 400
+"""Of each curve that are drawn; all of them are in the data."""
+HEIGHT_PX = 230
+LEAST_PX = 400
 
 
 def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
@@ -49,14 +62,6 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
     if not drawn:
         return None
     bounds = _bounds(drawn, measure)
-    panels = tuple(
-        Panel(
-            plot=_panel(curves, tests_of(trainings, network), measure, bounds),
-            height_px=290,
-            title=f"Network {network}",
-        )
-        for network, curves in drawn.items()
-    )
     first = measure == "reward"
     return Figure(
         name="figure-7-learning-curves" if first else "figure-7b-training-success",
@@ -72,15 +77,15 @@ def learning_curves(trainings: Trainings, measure: Measure) -> Figure | None:
             "initiation, then curriculum and control from the same network, with the curriculum's "
             "levels shaded and each level test marked."
         ),
-        legend=(
-            *arm_lines(TRAININGS),
-            LegendEntry(text="level extended", colour=INK, shape="ring"),
-            LegendEntry(text="level passed", colour=INK, shape="triangle"),
-            LegendEntry(text="left at the limit of extensions", colour=INK, shape="square"),
+        chart=figure(
+            [
+                _panel(network, curves, tests_of(trainings, network), measure, bounds)
+                for network, curves in drawn.items()
+            ],
+            columns=2,
+            least_px=LEAST_PX,
+            zoom=True,
         ),
-        panels=panels,
-        panel_width_px=420,
-        still=lambda: _still(drawn, trainings, measure, bounds),
         data=learning_data(drawn, trainings, measure),
     )
 
@@ -136,171 +141,124 @@ def _about_tests(
 
 
 def _panel(
+    network: int,
     curves: list[Curve],
     tests: list[tuple[int, LevelTest]],
     measure: Measure,
     bounds: tuple[float, float],
-) -> go.Figure:
-    figure = plot(x_title="learning steps since the network began", y_title=TITLES[measure])
-    levels = levels_of(tests, _begin(curves))
-    for level, start, stop in levels:
-        figure.add_shape(
-            type="rect",
-            x0=start,
-            x1=stop,
-            y0=0,
-            y1=1,
-            yref="paper",
-            fillcolor=translucent(BAND, 0.10 if level % 2 == 0 else 0.04),
-            line={"width": 0},
-            layer="below",
-        )
-        annotate(
-            figure,
-            _level_name(level, len(levels)),
-            x=(start + stop) / 2,
-            y=1.0,
-            yref="paper",
-            yanchor="top",
-        )
+) -> alt.LayerChart:
+    title = "learning steps since the network began"
+    last = max(int(curve.steps[-1]) for curve in curves)
+    x = x_of(
+        "x", title, domain=(0, 1.02 * last), axis=alt.Axis(format="~s", tickCount=6, grid=False)
+    )
+
+    def y(field: str) -> alt.Y:
+        if measure == "success":
+            return shares(TITLES[measure], field, bottom=bounds[0], top=bounds[1])
+        return y_of(field, TITLES[measure], domain=bounds)
+
+    return layers(
+        *_lines(curves, x, y),
+        *_levels(levels_of(tests, _begin(curves))),
+        *_tests(curves, tests, y("y")),
+        height=HEIGHT_PX,
+        title=f"Network {network}",
+    )
+
+
+def _lines(curves: list[Curve], x: alt.X, y: Callable[[str], alt.Y]) -> list[alt.Chart]:
+    """Return each roll-out thin, and the running mean of them thick."""
+    columns: dict[str, list[object]] = {
+        name: [] for name in ("x", "y", "mean", "series", "steps", "rollout", "running mean")
+    }
     for curve in curves:
-        style = ARM_STYLES[curve.kind]
-        if curve.window > 1:
-            figure.add_trace(
-                go.Scatter(
-                    x=compact(curve.steps.astype(np.float64)),
-                    y=compact(curve.values),
-                    mode="lines",
-                    line={"color": translucent(style.colour, 0.3), "width": 1},
-                    hoverinfo="skip",
-                )
-            )
-        figure.add_trace(
-            go.Scatter(
-                x=compact(curve.steps.astype(np.float64)),
-                y=compact(curve.smooth),
-                mode="lines+markers" if curve.steps.size == 1 else "lines",
-                line={"color": style.colour, "width": 2.2, "dash": style.dash},
-                hovertext=[
-                    hover(
-                        f"{style.name}, {integer(int(step))} steps",
-                        f"{number(value)} (running mean {number(mean)})",
-                    )
-                    for step, value, mean in zip(
-                        curve.steps.tolist(),
-                        curve.values.tolist(),
-                        curve.smooth.tolist(),
-                        strict=True,
-                    )
-                ],
-                hoverinfo="text",
-            )
+        every = np.linspace(0, curve.steps.size - 1, min(MOST_POINTS, curve.steps.size))
+        for index in np.unique(np.round(every).astype(np.int64)):
+            value, mean = float(curve.values[index]), float(curve.smooth[index])
+            own = (int(curve.steps[index]), value, mean, curve.kind,
+                   integer(int(curve.steps[index])), number(value), number(mean))  # fmt: skip
+            for column, entry in zip(columns.values(), own, strict=True):
+                column.append(entry)
+    look = [ARM_STYLES[kind] for kind in TRAININGS]
+    base = alt.Chart(frame(columns)).encode(x)
+    lines = [
+        base.mark_line(strokeWidth=0.8, clip=True).encode(
+            y("y"), opacity=seen(0.5), **styles(look, "color")
+        ),
+        base.mark_line(strokeWidth=2.2, clip=True).encode(
+            y("mean"), opacity=seen(), **styles(look, "color", "strokeDash")
+        ),
+        # Nearly invisible, and easy to hit: they carry the numbers.
+        base.mark_point(filled=True, size=40, clip=True).encode(
+            y("mean"),
+            opacity=alt.value(1.0 if max(c.steps.size for c in curves) == 1 else 0.0),
+            tooltip=[
+                alt.Tooltip("series:N", title="stage"),
+                "steps:N",
+                alt.Tooltip("rollout:N", title="roll-out"),
+                "running mean:N",
+            ],
+            **styles(look, "color"),
+        ),
+    ]
+    return lines if any(curve.window > 1 for curve in curves) else lines[1:]
+
+
+def _levels(levels: list[tuple[int, int, int]]) -> list[alt.Chart]:
+    """Return the levels as bands with their numbers."""
+    if not levels:
+        return []
+    numbers, starts, stops = zip(*levels, strict=True)
+    names = [f"level {level + 1}" if len(levels) <= 3 else f"{level + 1}" for level in numbers]
+    shades = [0.14 if level % 2 == 0 else 0.06 for level in numbers]
+    rows = frame({"x": starts, "x2": stops, "shade": shades, "level": names})
+    band = (
+        alt.Chart(rows)
+        .mark_rect(color=BAND, clip=True)
+        .encode(
+            alt.X("x:Q"),
+            x2="x2:Q",
+            opacity=alt.Opacity("shade:Q", scale=None, legend=None),
+            tooltip="level:N",
         )
-    _add_tests(figure, curves, tests)
-    figure.update_yaxes(range=list(bounds))
-    figure.update_xaxes(rangemode="tozero", tickformat="~s", nticks=6)
-    return figure
+    )
+    middles = [(start + stop) / 2 for start, stop in zip(starts, stops, strict=True)]
+    names = {"x": middles, "text": names}
+    return [band, words(names, y=alt.value(4), baseline="top", size=10, clip=True)]
 
 
-def _level_name(level: int, levels: int) -> str:
-    return f"level {level + 1}" if levels <= 3 else f"{level + 1}"
-
-
-def _learning(curves: list[Curve]) -> Curve | None:
-    return next((curve for curve in curves if curve.kind == CURRICULUM), None)
-
-
-def _add_tests(figure: go.Figure, curves: list[Curve], tests: list[tuple[int, LevelTest]]) -> None:
-    curve = _learning(curves)
+def _tests(curves: list[Curve], tests: list[tuple[int, LevelTest]], y: alt.Y) -> list[alt.Chart]:
+    """Return a mark at each test of a level, which tells what eq. 5 measured and decided."""
+    curve = next((curve for curve in curves if curve.kind == CURRICULUM), None)
     if curve is None or not tests:
-        return
-    figure.add_trace(
-        go.Scatter(
-            x=[step for step, _ in tests],
-            y=[curve.at(step) for step, _ in tests],
-            mode="markers",
-            marker={
-                "symbol": [DECISIONS[test.decision][1] for _, test in tests],
-                "color": [DECISIONS[test.decision][3] for _, test in tests],
-                "size": 10,
-                "line": {"color": INK, "width": 1.6},
-            },
-            hovertext=[_test_label(test) for _, test in tests],
-            hoverinfo="text",
-            cliponaxis=False,
+        return []
+    told = [_told(test) for _, test in tests]
+    rows = {
+        "x": [step for step, _ in tests],
+        "y": [curve.at(step) for step, _ in tests],
+        "decision": [DECISIONS[test.decision].name for _, test in tests],
+        **{name: [own[name] for own in told] for name in told[0]},
+    }
+    look = tuple(DECISIONS.values())
+    return [
+        alt.Chart(frame(rows))
+        .mark_point(size=70, stroke=INK, strokeWidth=1.6, opacity=1)
+        .encode(
+            alt.X("x:Q"),
+            y,
+            tooltip=[f"{name}:N" for name in ("decision", *told[0])],
+            **styles(look, "shape", "fill", field="decision"),
         )
-    )
+    ]
 
 
-def _test_label(test: LevelTest) -> str:
-    ratio = "undefined" if test.ratio is None else f"{test.ratio:.3f}".replace("-", MINUS)
+def _told(test: LevelTest) -> dict[str, str]:
     iteration = f"extension {test.iteration}" if test.iteration else "first iteration"
-    return hover(
-        f"Level {test.level + 1}, {iteration}: {test.decision}",
-        f"rF = {number(test.first_window, 4)}, rL = {number(test.last_window, 4)}",
-        f"ratio of eq. 5: {ratio}, threshold {test.threshold:g}",
-        test.sentence,
-    )
-
-
-def _still(
-    drawn: Mapping[int, list[Curve]],
-    trainings: Trainings,
-    measure: Measure,
-    bounds: tuple[float, float],
-) -> StillFigure:
-    columns = 1 if len(drawn) == 1 else 2
-    rows = -(-len(drawn) // columns)
-    figure, axes = axes_grid(
-        rows, columns, height_in=2.1 * rows + 0.45, used=len(drawn), share_y=True
-    )
-    for (network, curves), ax in zip(drawn.items(), axes, strict=True):
-        _draw(ax, curves, tests_of(trainings, network))
-        ax.set_title(f"Network {network}")
-        ax.set_ylim(*bounds)
-    for index, ax in enumerate(axes):
-        if index % columns == 0:
-            ax.set_ylabel(TITLES[measure])
-        if index + columns >= len(axes):
-            ax.set_xlabel("learning steps, thousands")
-    for kind in TRAININGS:
-        style = ARM_STYLES[kind]
-        axes[0].plot([], [], color=style.colour, ls=style.line, label=style.name)
-    for name, _, marker, fill in DECISIONS.values():
-        axes[0].plot([], [], marker, mfc=fill, mec=INK, ms=5, label=name)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=6, columnspacing=1.1)
-    return figure
-
-
-def _draw(ax: Axes, curves: list[Curve], tests: list[tuple[int, LevelTest]]) -> None:
-    levels = levels_of(tests, _begin(curves))
-    for level, start, stop in levels:
-        ax.axvspan(
-            start / 1e3, stop / 1e3, color=BAND, alpha=0.10 if level % 2 == 0 else 0.04, lw=0
-        )
-        ax.annotate(
-            _level_name(level, len(levels)),
-            ((start + stop) / 2e3, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, -3),
-            textcoords="offset points",
-            ha="center",
-            va="top",
-            fontsize=7,
-        )
-    for curve in curves:
-        style, x = ARM_STYLES[curve.kind], curve.steps / 1e3
-        if curve.window > 1:
-            ax.plot(x, curve.values, color=style.colour, alpha=0.3, lw=0.5)
-        marker = "o" if curve.steps.size == 1 else None
-        ax.plot(x, curve.smooth, color=style.colour, ls=style.line, lw=1.5, marker=marker, ms=3)
-    learning = _learning(curves)
-    if learning is not None:
-        for step, test in tests:
-            _, _, marker, fill = DECISIONS[test.decision]
-            ax.plot(
-                step / 1e3, learning.at(step), marker, mfc=fill, mec=INK, ms=5, mew=0.9, zorder=4
-            )
-    ax.set_xlim(left=0)
-    ax.grid(visible=True)
+    ratio = "undefined" if test.ratio is None else f"{test.ratio:.3f}".replace("-", MINUS)
+    return {
+        "level": f"{test.level + 1}, {iteration}",
+        "first and last window": f"{number(test.first_window, 4)}, {number(test.last_window, 4)}",
+        "ratio of eq 5": f"{ratio}, threshold {test.threshold:g}",
+        "in words": test.sentence,
+    }

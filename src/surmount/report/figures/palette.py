@@ -1,85 +1,84 @@
-"""Colours that remain distinct without full colour vision (Okabe & Ito 2008), with their markers.
+"""Colours that remain distinct without full colour vision, with their dashes and shapes.
 
-Arms and groups never share a colour, and whatever colour tells, a marker, a dash or a label tells
-too.
+All come after Okabe & Ito (2008), darkened until they stand out from the paper with a contrast of
+at least 3 : 1, and each has a twin for dark pages. Arms and groups never share a colour, and
+whatever colour tells, a dash, a shape or a label tells too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from surmount.report.document.parts import LegendEntry
 from surmount.workflow.run_layout import CONTROL, CURRICULUM, INITIATION
 
 INK = "#1c1c1c"
 MUTED = "#5f5f5f"
 GRID = "#e4e4e4"
 PAPER = "#ffffff"
+RECORDED = "#444444"
+ABOVE = "#555555"
+"""Of links of a dendrogram above all groups."""
 
-GROUP_COLOURS = ("#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8C6D31", "#999999")
-"""Of groups from easy to difficult: bluish green, orange, reddish purple, sky blue, then two
-earth tones."""
+DARK = {
+    INK: "#e8e6e3",
+    MUTED: "#a3a7ad",
+    GRID: "#31353b",
+    PAPER: "#15181c",
+    RECORDED: "#c4c4c4",
+    ABOVE: "#b4b4b4",
+    "#009e73": "#2bb58b",
+    "#b87a00": "#e69f00",
+    "#c0629a": "#d98cbb",
+    "#2d8cc4": "#6cc0f0",
+    "#8c6d31": "#bfa064",
+    "#757575": "#a6a6a6",
+    "#7a7a7a": "#a0a0a0",
+    "#0072b2": "#4da9e0",
+    "#d55e00": "#f08438",
+}
+"""What stands for each colour where the reader prefers dark pages."""
 
-SEQUENTIAL = ((0.0, "#f7fbff"), (0.35, "#9ecae1"), (0.7, "#3182bd"), (1.0, "#08306b"))
-"""Light to dark for distances from 0 to 1; monotone in lightness, so it prints in grey."""
+GROUP_COLOURS = ("#009e73", "#b87a00", "#c0629a", "#2d8cc4", "#8c6d31", "#757575")
+"""Of groups from easy to difficult: bluish green, ochre, reddish purple, blue, two earth tones."""
+GROUP_DASHES = ((1, 0), (8, 3), (3, 2), (10, 3, 2, 3), (1, 2), (6, 2, 2, 2))
+GROUP_SHAPES = ("circle", "square", "triangle-up", "diamond", "cross", "triangle-down")
+
+SEQUENTIAL = ("#f7fbff", "#9ecae1", "#3182bd", "#08306b")
+"""Light to dark; monotone in lightness, so it prints in grey."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmStyle:
-    """How one stage of learning is drawn everywhere.
+class Series:
+    """How one thing is drawn wherever it is drawn.
 
     Attributes
     ----------
     name
-        As printed.
-    colour, dash, marker
-        Colour, Plotly's dash of lines and symbol of points.
-    line, point
-        The same for Matplotlib.
+        As printed in the legend.
+    colour, dash, shape
+        Colour, dash of lines (drawn and left out, in turn) and shape of points.
     """
 
     name: str
     colour: str
-    dash: str
-    marker: str
-    line: str
-    point: str
+    dash: tuple[int, ...] = (1, 0)
+    shape: str = "circle"
 
 
 ARM_STYLES = {
-    INITIATION: ArmStyle(
-        name=INITIATION, colour="#7a7a7a", dash="dot", marker="circle", line=":", point="o"
-    ),
-    CURRICULUM: ArmStyle(
-        name=CURRICULUM, colour="#0072B2", dash="solid", marker="square", line="-", point="s"
-    ),
-    CONTROL: ArmStyle(
-        name=CONTROL, colour="#D55E00", dash="dash", marker="diamond", line="--", point="D"
-    ),
+    INITIATION: Series(name=INITIATION, colour="#7a7a7a", dash=(2, 2), shape="circle"),
+    CURRICULUM: Series(name=CURRICULUM, colour="#0072b2", dash=(1, 0), shape="square"),
+    CONTROL: Series(name=CONTROL, colour="#d55e00", dash=(7, 3), shape="diamond"),
 }
 """What was learnt on what: initiation, then either the curriculum or uniform variants."""
 
 
-def arm_lines(kinds: Sequence[str]) -> tuple[LegendEntry, ...]:
-    """Return the legend of lines in the styles of what was learnt."""
-    styles = [ARM_STYLES[kind] for kind in kinds]
-    return tuple(
-        LegendEntry(
-            text=style.name,
-            colour=style.colour,
-            shape={"dot": "dot", "solid": "line"}.get(style.dash, "dash"),  # type: ignore[arg-type]
-        )
-        for style in styles
+def group_series(index: int, name: str) -> Series:
+    """Return how a group counted from the easiest is drawn."""
+    place = index % len(GROUP_COLOURS)
+    return Series(
+        name=name,
+        colour=GROUP_COLOURS[place],
+        dash=GROUP_DASHES[place],
+        shape=GROUP_SHAPES[place],
     )
-
-
-def group_colour(group: int) -> str:
-    """Return the colour of a group counted from the easiest."""
-    return GROUP_COLOURS[group % len(GROUP_COLOURS)]
-
-
-def translucent(colour: str, alpha: float) -> str:
-    """Return a hexadecimal colour as ``rgba(…)`` with an opacity."""
-    red, green, blue = (int(colour[start : start + 2], 16) for start in (1, 3, 5))
-    return f"rgba({red},{green},{blue},{alpha:g})"

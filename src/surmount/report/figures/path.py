@@ -4,23 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.arrays import FloatArray
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
+from surmount.report.document.parts import Columns, Figure
 from surmount.report.document.text import integer, name_and_unit, number, short
-from surmount.report.figures.palette import ARM_STYLES, translucent
-from surmount.report.figures.plots import annotate, compact, hover, plain, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.charts import (
+    figure,
+    frame,
+    layers,
+    seen,
+    styles,
+    tick_labels,
+    words,
+    x_of,
+    y_of,
+)
+from surmount.report.figures.palette import ARM_STYLES
 from surmount.report.outcomes import PATHS, Outcomes
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS
 
 BOX_WIDTH = 0.3
+HEIGHT_PX = 260
+LEAST_PX = 300
 WHISKER = 1.5
 """Whiskers reach to the outermost value within so many interquartile ranges of the box."""
 
@@ -98,20 +108,9 @@ def path_lengths(curriculum: Curriculum, tests: Mapping[str, Outcomes]) -> Figur
             for arm in arms
         )
         + ".",
-        legend=tuple(
-            LegendEntry(text=ARM_STYLES[arm].name, colour=ARM_STYLES[arm].colour, shape="square")
-            for arm in arms
+        chart=figure(
+            [_panel(path, boxes[path], names) for path in paths], columns=2, least_px=LEAST_PX
         ),
-        panels=tuple(
-            Panel(
-                plot=_panel(path, boxes[path], names),
-                height_px=330,
-                title=f"Path length of {name_and_unit(path)[0]}",
-            )
-            for path in paths
-        ),
-        panel_width_px=300,
-        still=lambda: _still(boxes, names),
         data=_data(curriculum, tests, arms, paths),
     )
 
@@ -133,137 +132,82 @@ def _label(path: str) -> str:
     return f"Σ|Δ {name_and_unit(path)[0]}| (°)"
 
 
-def _panel(path: str, boxes: Mapping[str, list[Box | None]], names: list[str]) -> go.Figure:
-    figure = plot(x_title="", y_title=_label(path))
-    for arm, found in boxes.items():
-        style = ARM_STYLES[arm]
-        known = [(index, box) for index, box in enumerate(found) if box is not None]
-        x = [index + _offset(arm) for index, _ in known]
-        figure.add_trace(
-            go.Box(
-                x=x,
-                lowerfence=[box.low for _, box in known],
-                q1=[box.q1 for _, box in known],
-                median=[box.median for _, box in known],
-                q3=[box.q3 for _, box in known],
-                upperfence=[box.high for _, box in known],
-                width=BOX_WIDTH,
-                line={"color": style.colour, "width": 1.8},
-                fillcolor=translucent(style.colour, 0.25),
-                hoverinfo="skip",
-            )
-        )
-        beyond = [
-            (at, value) for at, (_, box) in zip(x, known, strict=True) for value in box.beyond
-        ]
-        figure.add_trace(
-            go.Scatter(
-                x=[at for at, _ in beyond],
-                y=compact([value for _, value in beyond]),
-                mode="markers",
-                marker={"symbol": "circle-open", "size": 5, "color": style.colour},
-                hoverinfo="skip",
-            )
-        )
-        # Invisible marks on the medians carry the numbers.
-        figure.add_trace(
-            go.Scatter(
-                x=x,
-                y=[box.median for _, box in known],
-                mode="markers",
-                marker={"size": 16, "opacity": 0},
-                hovertext=[
-                    hover(
-                        f"{names[index]}, {style.name}: {integer(box.count)} successful trials",
-                        f"median {number(box.median)}°, quartiles {number(box.q1)}° and "
-                        f"{number(box.q3)}°",
-                    )
-                    for index, box in known
-                ],
-                hoverinfo="text",
-            )
-        )
-        for index, box in enumerate(found):
-            if box is None:
-                annotate(
-                    figure,
-                    "no success",
-                    x=index + _offset(arm),
-                    y=0,
-                    yanchor="bottom",
-                    textangle=-90,
-                )
-    figure.update_xaxes(
-        tickvals=list(range(len(names))),
-        ticktext=[plain(short(name)) for name in names],
-        showgrid=False,
-        range=[-0.5, len(names) - 0.5],
+def _panel(path: str, boxes: Mapping[str, list[Box | None]], names: list[str]) -> alt.LayerChart:
+    found = [(arm, index, box) for arm, own in boxes.items() for index, box in enumerate(own)]
+    known = [(arm, index, box) for arm, index, box in found if box is not None]
+    look = [ARM_STYLES[arm] for arm in boxes]
+    colour = styles(look, "color")
+    places = [index + _offset(arm) for arm, index, _ in known]
+    x, left = (
+        x_of(field, None, domain=(-0.5, len(names) - 0.5), axis=None) for field in ("x", "left")
     )
-    figure.update_yaxes(rangemode="tozero")
-    return figure
-
-
-def _still(boxes: Boxes, names: list[str]) -> StillFigure:
-    figure, axes = axes_grid(1, len(boxes), height_in=2.8)
-    for (path, arms), ax in zip(boxes.items(), axes, strict=True):
-        for arm, found in arms.items():
-            _draw(ax, arm, found)
-        ax.set_xticks(range(len(names)), [short(name) for name in names])
-        ax.set_xlim(-0.5, len(names) - 0.5)
-        ax.set_ylim(bottom=0)
-        ax.set_ylabel(_label(path))
-        ax.grid(visible=True, axis="y")
-    for arm in next(iter(boxes.values())):
-        style = ARM_STYLES[arm]
-        axes[0].bar(0, 0, color=style.colour, alpha=0.6, label=style.name)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=2)
-    return figure
-
-
-def _draw(ax: Axes, arm: str, found: list[Box | None]) -> None:
-    style = ARM_STYLES[arm]
-    for index, box in enumerate(found):
-        at = index + _offset(arm)
-        if box is None:
-            ax.annotate(
-                "no success",
-                (at, 0.0),
-                xytext=(0, 3),
-                textcoords="offset points",
-                rotation=90,
-                ha="center",
-                va="bottom",
-                fontsize=6.5,
-            )
-            continue
-        line = {"color": style.colour, "linewidth": 1.2}
-        ax.bxp(
-            [
-                {
-                    "whislo": box.low,
-                    "q1": box.q1,
-                    "med": box.median,
-                    "q3": box.q3,
-                    "whishi": box.high,
-                    "fliers": box.beyond,
-                }
-            ],
-            positions=[at],
-            widths=BOX_WIDTH,
-            patch_artist=True,
-            manage_ticks=False,
-            boxprops={"facecolor": (*_rgb(style.colour), 0.25), "edgecolor": style.colour},
-            medianprops={**line, "linewidth": 1.8},
-            whiskerprops=line,
-            capprops=line,
-            flierprops={"marker": "o", "markersize": 2.5, "mfc": "none", "mec": style.colour},
+    highest = max((max([box.high, *box.beyond]) for _, _, box in known), default=1.0)
+    y = y_of("q1", _label(path), domain=(0, 1.05 * highest))
+    base = alt.Chart(
+        frame(
+            {
+                "x": places,
+                "left": [place - BOX_WIDTH / 2 for place in places],
+                "right": [place + BOX_WIDTH / 2 for place in places],
+                **{name: [getattr(box, name) for _, _, box in known]
+                   for name in ("low", "q1", "median", "q3", "high")},
+                "series": [ARM_STYLES[arm].name for arm, _, _ in known],
+                "group": [short(names[index]) for _, index, _ in known],
+                "trials": [f"{integer(box.count)} successful" for _, _, box in known],
+                "middle": [f"{number(box.median)}°" for _, _, box in known],
+                "quartiles": [f"{number(box.q1)}° and {number(box.q3)}°" for _, _, box in known],
+            }
         )
+    ).encode(
+        opacity=seen(),
+        tooltip=["group:N", alt.Tooltip("series:N", title="arm"), "trials:N",
+                 alt.Tooltip("middle:N", title="median"), "quartiles:N"],
+        **colour,
+    )  # fmt: skip
+    side = {"x2": "right:Q"}
+    return layers(
+        base.mark_rect(fillOpacity=0.25).encode(left, y, y2="q3:Q", **side),
+        base.mark_rect(filled=False, strokeWidth=1.6).encode(
+            left, alt.Y("q1:Q"), y2="q3:Q", **side
+        ),
+        base.mark_rule().encode(x, alt.Y("low:Q"), y2="q1:Q"),
+        base.mark_rule().encode(x, alt.Y("q3:Q"), y2="high:Q"),
+        base.mark_rule(strokeWidth=2.6).encode(left, alt.Y("median:Q"), **side),
+        *_beyond(known, places, colour),
+        *_nothing(found),
+        tick_labels(range(len(names)), names, HEIGHT_PX),
+        height=HEIGHT_PX,
+        title=f"Path length of {name_and_unit(path)[0]}",
+    )  # fmt: skip
 
 
-def _rgb(colour: str) -> tuple[float, float, float]:
-    red, green, blue = (int(colour[start : start + 2], 16) / 255 for start in (1, 3, 5))
-    return red, green, blue
+def _beyond(
+    known: list[tuple[str, int, Box]], places: list[float], colour: Mapping[str, Any]
+) -> list[alt.Chart]:
+    """Return rings for trials beyond the whiskers."""
+    rows = [
+        (place, value, ARM_STYLES[arm].name)
+        for place, (arm, _, box) in zip(places, known, strict=True)
+        for value in box.beyond.tolist()
+    ]
+    if not rows:
+        return []
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(("x", "y", "series"))}
+    return [
+        alt.Chart(frame(columns))
+        .mark_point(size=18, strokeWidth=1)
+        .encode(alt.X("x:Q"), alt.Y("y:Q"), opacity=seen(), **colour)
+    ]
+
+
+def _nothing(found: list[tuple[str, int, Box | None]]) -> list[alt.Chart]:
+    """Return words where no trial succeeded."""
+    places = [index + _offset(arm) for arm, index, box in found if box is None]
+    if not places:
+        return []
+    rows = {"x": places, "text": ["no success"] * len(places)}
+    place = alt.value(HEIGHT_PX - 3)
+    return [words(rows, y=place, angle=270, align="left", baseline="middle", size=10)]
 
 
 def _data(

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-import plotly.graph_objects as go
-from matplotlib.figure import Figure as StillFigure
+import altair as alt
 
-from surmount.report.document.parts import Columns, Figure, Panel
-from surmount.report.figures.palette import ARM_STYLES, arm_lines, translucent
-from surmount.report.figures.plots import hover, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.document.parts import Columns, Figure
+from surmount.report.document.text import percent
+from surmount.report.figures.charts import figure, frame, layers, seen, shares, styles, x_of
+from surmount.report.figures.palette import ARM_STYLES
 from surmount.stats.profile import PerformanceProfile
 from surmount.workflow.run_layout import ARMS
 
+HEIGHT_PX = 250
+WIDTH_PX = 620
+LEAST_PX = 340
 X_TITLE, Y_TITLE = "success rate", "share of networks and variants above"
 
 
@@ -32,72 +33,46 @@ def profiles(found: Mapping[str, PerformanceProfile]) -> Figure:
             ),
         ),
         alternative="Performance profiles of curriculum and control.",
-        legend=arm_lines(ARMS),
-        panels=(Panel(plot=_panel(found), height_px=300),),
-        panel_width_px=480,
-        still=lambda: _still(found),
+        chart=figure([_panel(found)], columns=1, least_px=LEAST_PX, zoom=True, width_px=WIDTH_PX),
         data=_data(found),
     )
 
 
-def _panel(found: Mapping[str, PerformanceProfile]) -> go.Figure:
-    figure = plot(x_title=X_TITLE, y_title=Y_TITLE)
+def _panel(found: Mapping[str, PerformanceProfile]) -> alt.LayerChart:
+    columns: dict[str, list[object]] = {
+        name: [] for name in ("x", "y", "lower", "upper", "series", "told")
+    }
     for arm in ARMS:
-        style, profile = ARM_STYLES[arm], found[arm]
-        if profile.reason is None:
-            for limit, fill in ((profile.upper, None), (profile.lower, "tonexty")):
-                figure.add_trace(
-                    go.Scatter(
-                        x=profile.thresholds,
-                        y=limit,
-                        mode="lines",
-                        line={"width": 0, "shape": "hv"},
-                        fill=fill,
-                        fillcolor=translucent(style.colour, 0.15),
-                        hoverinfo="skip",
-                    )
-                )
-        figure.add_trace(
-            go.Scatter(
-                x=profile.thresholds,
-                y=profile.share,
-                mode="lines",
-                line={"color": style.colour, "width": 2.2, "dash": style.dash, "shape": "hv"},
-                hovertext=[
-                    hover(f"{style.name}: {100 * share:.1f} % above {100 * threshold:.0f} %")
-                    for threshold, share in zip(profile.thresholds, profile.share, strict=True)
-                ],
-                hoverinfo="text",
-            )
-        )
-    figure.update_xaxes(range=[0, 1], tickformat=".0%")
-    figure.update_yaxes(range=[0, 1.04], tickformat=".0%")
-    return figure
-
-
-def _still(found: Mapping[str, PerformanceProfile]) -> StillFigure:
-    figure, (ax,) = axes_grid(1, 1, height_in=2.8, width_in=4.6)
-    for arm in ARMS:
-        style, profile = ARM_STYLES[arm], found[arm]
-        if profile.reason is None:
-            lower, upper = (
-                np.asarray(limit, dtype=np.float64) for limit in (profile.lower, profile.upper)
-            )
-            ax.fill_between(
-                profile.thresholds, lower, upper, step="post", color=style.colour, alpha=0.15, lw=0
-            )
-        ax.step(
-            profile.thresholds,
-            profile.share,
-            where="post",
-            color=style.colour,
-            ls=style.line,
-            label=style.name,
-        )
-    ax.set(xlim=(0, 1), ylim=(0, 1.04), xlabel=X_TITLE, ylabel=Y_TITLE)
-    ax.grid(visible=True)
-    ax.legend(loc="lower left")
-    return figure
+        profile, size = found[arm], len(found[arm].thresholds)
+        known = profile.reason is None
+        columns["x"] += profile.thresholds
+        columns["y"] += profile.share
+        columns["lower"] += profile.lower if known else [None] * size
+        columns["upper"] += profile.upper if known else [None] * size
+        columns["series"] += [ARM_STYLES[arm].name] * size
+        columns["told"] += [
+            f"{percent(share, 1)} lie above {percent(threshold)}"
+            for threshold, share in zip(profile.thresholds, profile.share, strict=True)
+        ]
+    look = [ARM_STYLES[arm] for arm in ARMS]
+    base = alt.Chart(frame(columns)).encode(
+        x_of("x", X_TITLE, domain=(0, 1), axis=alt.Axis(format=".0%", grid=False))
+    )
+    return layers(
+        base.mark_area(interpolate="step-after", clip=True).encode(
+            shares(Y_TITLE, "lower", top=1.04), y2="upper:Q", opacity=seen(0.18),
+            **styles(look, "color"),
+        ),
+        base.mark_line(interpolate="step-after", clip=True).encode(
+            alt.Y("y:Q"), opacity=seen(), **styles(look, "color", "strokeDash")
+        ),
+        base.mark_point(filled=True, size=50, clip=True).encode(
+            alt.Y("y:Q"),
+            opacity=alt.value(0),
+            tooltip=[alt.Tooltip("series:N", title="arm"), alt.Tooltip("told:N", title="rates")],
+        ),
+        height=HEIGHT_PX,
+    )  # fmt: skip
 
 
 def _data(found: Mapping[str, PerformanceProfile]) -> Columns:

@@ -1,102 +1,114 @@
-"""Still figures in one style, and the files they are written to: SVG, PNG and CSV."""
+"""Figures as pictures, and the files they are written to: SVG, PNG and CSV."""
 
 from __future__ import annotations
 
 import csv
 import io
-import warnings
-from collections.abc import Callable, Sequence
+import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as StillFigure
+import vl_convert
 
 from surmount.core.names import text_cell
 from surmount.core.records import write_atomically
-from surmount.report.document.parts import Columns
-from surmount.report.figures.palette import GRID, INK
+from surmount.report.document.parts import Chart, Columns
+from surmount.report.figures.palette import DARK
 
-STYLE = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "font.size": 8.0,
-    "axes.titlesize": 8.5,
-    "axes.titlelocation": "left",
-    "axes.labelcolor": INK,
-    "axes.edgecolor": INK,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.unicode_minus": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.6,
-    "text.color": INK,
-    "text.parse_math": False,  # a dollar sign in a name is a dollar sign
-    "legend.frameon": False,
-    "legend.fontsize": 7.5,
-    "lines.linewidth": 1.3,
-    "figure.facecolor": "white",
-    "savefig.facecolor": "white",
-    "svg.fonttype": "path",  # looks the same wherever it is opened
-    "svg.hashsalt": "surmount",  # and has the same bytes whenever it is written
-}
-PNG_DPI = 200
-CLOUD_DPI = 130
-"""Of clouds of points, the only part of an SVG that is not drawn by lines."""
-WIDTH_IN = 7.2
-"""Width of a still: the text width of a printed page."""
+VEGA_LITE = "6.4"
+"""Version of the language that Altair writes, by which pictures and pages are drawn."""
+PNG_SCALE = 2.0
+_NUMBER = re.compile(r"-?\d+\.\d{3,}")
+_SYMBOL = re.compile(
+    r'<path transform="translate\(([-\d.]+),([-\d.]+)\)" (d="M[^"]*A[^"]*"|d="M-[^"]*Z")([^<>]*)/>'
+)
+_CLIP = re.compile(r'(?<=id=")clip\d+|(?<=url\(#)clip\d+')
 
 
 @dataclass(frozen=True, kw_only=True)
 class StillFiles:
-    """A still figure as the content of its files."""
+    """A figure as the content of its files.
 
+    Attributes
+    ----------
+    spec
+        In Vega-Lite, as JSON on one line.
+    svg, png
+        As pictures; the first follows whether the reader prefers dark pages.
+    """
+
+    spec: str
     svg: bytes
     png: bytes
 
 
-def axes_grid(
-    rows: int,
-    columns: int,
-    *,
-    height_in: float,
-    width_in: float = WIDTH_IN,
-    used: int | None = None,
-    share_y: bool = False,
-    share_x: bool = False,
-    width_ratios: Sequence[float] | None = None,
-) -> tuple[StillFigure, list[Axes]]:
-    """Return a figure with so many axes in reading order; those beyond ``used`` are hidden."""
-    figure = StillFigure(figsize=(width_in, height_in), layout="constrained")
-    grid = figure.subplots(
-        rows, columns, squeeze=False, sharey=share_y, sharex=share_x, width_ratios=width_ratios
+def draw(chart: Chart) -> StillFiles:
+    """Draw a chart as pictures."""
+    spec = specification(chart)
+    svg = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE)
+    return StillFiles(
+        spec=spec,
+        svg=_tidy(svg).encode(),
+        png=vl_convert.svg_to_png(svg, scale=PNG_SCALE),
     )
-    axes: list[Axes] = list(np.asarray(grid).ravel())
-    for spare in axes[used or len(axes) :]:
-        spare.set_visible(False)
-    return figure, axes[: used or len(axes)]
 
 
-def draw(still: Callable[[], StillFigure]) -> StillFiles:
-    """Draw a still in the style of the page."""
-    with mpl.rc_context(STYLE), warnings.catch_warnings():  # type: ignore[arg-type]
-        # A name may hold characters that no installed font has: a box stands for them.
-        warnings.filterwarnings("ignore", message=r"Glyph .* missing from font")
-        figure = still()
-        svg, png = io.BytesIO(), io.BytesIO()
-        metadata = {"Date": None, "Creator": "Surmount"}
-        figure.savefig(svg, format="svg", metadata=metadata, dpi=CLOUD_DPI)
-        figure.set_layout_engine("none")  # as it was laid out for the SVG
-        figure.savefig(png, format="png", metadata={"Software": "Surmount"}, dpi=PNG_DPI)
-    return StillFiles(svg=svg.getvalue(), png=png.getvalue())
+def specification(chart: Chart) -> str:
+    """Return a chart in Vega-Lite, the same text whenever it is asked for."""
+    record: dict[str, Any] = chart.to_dict()
+    return json.dumps(record, separators=(",", ":"), allow_nan=False)
+
+
+def _tidy(svg: str) -> str:
+    """Return a picture without idle digits, with the same names each time, for light and dark."""
+    names: dict[str, str] = {}
+
+    def renamed(found: re.Match[str]) -> str:
+        return names.setdefault(found[0], f"clip{len(names)}")
+
+    text = _CLIP.sub(renamed, svg)
+    text = _symbols_once(_outside_text(text))
+    rules = "".join(
+        f'[fill="{light}"]{{fill:{dark}}}[stroke="{light}"]{{stroke:{dark}}}'
+        for light, dark in DARK.items()
+    )
+    style = f"<style>@media screen and (prefers-color-scheme:dark){{{rules}}}</style>"
+    head, mark, rest = text.partition(">")
+    return f"{head}{mark}{style}{rest}"
+
+
+def _outside_text(svg: str) -> str:
+    """Shorten the numbers in tags, and leave alone what is written between them."""
+    parts = re.split(r"(<[^>]*>)", svg)
+    return "".join(
+        _NUMBER.sub(lambda found: f"{float(found[0]):.2f}".rstrip("0").rstrip("."), part)
+        if part.startswith("<")
+        else part
+        for part in parts
+    )
+
+
+def _symbols_once(svg: str) -> str:
+    """Return a picture in which symbols that are alike are defined once and placed often."""
+    defined: dict[tuple[str, str], str] = {}
+
+    def placed(found: re.Match[str]) -> str:
+        name = defined.setdefault((found[3], found[4]), f"s{len(defined)}")
+        return f'<use href="#{name}" x="{found[1]}" y="{found[2]}"/>'
+
+    text = _SYMBOL.sub(placed, svg)
+    symbols = "".join(
+        f'<path id="{name}" {shape}{look}/>' for (shape, look), name in defined.items()
+    )
+    head, mark, rest = text.partition(">")
+    return f"{head}{mark}<defs>{symbols}</defs>{rest}"
 
 
 def write_still(folder: Path, name: str, files: StillFiles, data: Columns) -> None:
-    """Write a still and its data: ``<name>.svg``, ``.png`` and ``.csv``."""
+    """Write a figure and its data: ``<name>.svg``, ``.png`` and ``.csv``."""
     write_atomically(folder / f"{name}.svg", files.svg)
     write_atomically(folder / f"{name}.png", files.png)
     write_atomically(folder / f"{name}.csv", csv_text(data).encode())

@@ -4,23 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.figure import Figure as StillFigure
 
 from surmount.report.comparison import Comparison, GroupComparison, Success, VariantSuccess
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
+from surmount.report.document.parts import Columns, Figure
 from surmount.report.document.text import integer, number, p_value, percent, percent_interval, short
-from surmount.report.figures.palette import ARM_STYLES, INK, PAPER, translucent
-from surmount.report.figures.plots import annotate, hover, plain, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.charts import (
+    figure,
+    frame,
+    layers,
+    seen,
+    shares,
+    styles,
+    tick_labels,
+    words,
+    x_of,
+)
+from surmount.report.figures.palette import ARM_STYLES, INK, PAPER
 from surmount.report.outcomes import Outcomes
 from surmount.stats.proportions import proportion_intervals
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS, TRAININGS
 
 BAR_WIDTH = 0.26
-OPACITY = 0.75
+OPACITY = 0.8
+HEIGHT_PX = 280
+LEAST_PX = 340
 
 
 def success_by_group(
@@ -57,18 +67,7 @@ def success_by_group(
             )
         )
         + ".",
-        legend=(
-            *(
-                LegendEntry(
-                    text=ARM_STYLES[kind].name, colour=ARM_STYLES[kind].colour, shape="square"
-                )
-                for kind in TRAININGS
-            ),
-            LegendEntry(text="one network", colour=INK, shape="ring"),
-        ),
-        panels=(Panel(plot=_panel(comparison, bars, dots), height_px=360),),
-        panel_width_px=340,
-        still=lambda: _still(comparison, bars, dots),
+        chart=figure([_panel(comparison, bars, dots)], columns=1, least_px=LEAST_PX),
         data=_data(comparison, bars, dots),
     )
 
@@ -135,115 +134,74 @@ def _spread(count: int) -> list[float]:
     return [] if count == 0 else (np.linspace(-0.3, 0.3, count + 2)[1:-1] * BAR_WIDTH).tolist()
 
 
-def _panel(comparison: Comparison, bars: Bars, dots: Dots) -> go.Figure:
-    figure = plot(x_title="", y_title="share of trials that succeed")
-    for kind in TRAININGS:
-        style = ARM_STYLES[kind]
-        entries = bars[kind]
-        rates = [success.rate or 0.0 for success, _, _ in entries]
-        x = [index + _offset(kind) for index in range(len(entries))]
-        figure.add_trace(
-            go.Bar(
-                x=x,
-                y=rates,
-                width=BAR_WIDTH * 0.94,
-                marker={"color": translucent(style.colour, OPACITY), "line": {"width": 0}},
-                error_y={
-                    "array": [
-                        upper - rate for rate, (_, _, upper) in zip(rates, entries, strict=True)
-                    ],
-                    "arrayminus": [
-                        rate - lower for rate, (_, lower, _) in zip(rates, entries, strict=True)
-                    ],
-                    "color": INK,
-                    "thickness": 1.3,
-                    "width": 5,
-                },
-                hovertext=[
-                    hover(
-                        f"{entry.group}, {style.name}",
-                        f"{integer(success.successes)} of {integer(success.trials)} trials: "
-                        f"{percent(success.rate, 1)}",
-                        f"95 % interval {percent_interval(lower, upper, 1)}",
-                    )
-                    for entry, (success, lower, upper) in zip(
-                        comparison.groups, entries, strict=True
-                    )
-                ],
-                hoverinfo="text",
+def _panel(comparison: Comparison, bars: Bars, dots: Dots) -> alt.LayerChart:
+    look = [ARM_STYLES[kind] for kind in TRAININGS]
+    names = [entry.group for entry in comparison.groups]
+    x = x_of("x", None, domain=(-0.5, len(names) - 0.5), axis=None)
+    y = shares("share of trials that succeed", top=1.2)
+    base = alt.Chart(frame(_bar_rows(bars, names))).encode(
+        opacity=seen(OPACITY), tooltip=["group:N", alt.Tooltip("series:N", title="after"),
+                                        "success:N", "interval:N"],
+    )  # fmt: skip
+    places = list(range(len(names)))
+    tests = [annotation(entry).replace(", ", "\n") for entry in comparison.groups]
+    return layers(
+        base.mark_rect().encode(
+            x, y, x2="x2:Q", y2=alt.datum(0), **styles(look, "color")
+        ),
+        base.mark_rule(color=INK, strokeWidth=1.4).encode(
+            alt.X("middle:Q"), alt.Y("lower:Q"), y2="upper:Q", opacity=seen()
+        ),
+        alt.Chart(frame(_dot_rows(dots, names)))
+        .mark_point(size=40, fill=PAPER, stroke=INK, strokeWidth=1.3)
+        .encode(
+            alt.X("x:Q"),
+            alt.Y("y:Q"),
+            opacity=seen(),
+            tooltip=["network:N", "group:N", alt.Tooltip("series:N", title="after"), "success:N"],
+        ),
+        words({"x": places, "y": [1.04] * len(places), "text": tests}, baseline="line-bottom",
+              lineBreak="\n", dy=-12),
+        tick_labels(places, names, HEIGHT_PX),
+        height=HEIGHT_PX,
+    )  # fmt: skip
+
+
+def _bar_rows(bars: Bars, names: list[str]) -> dict[str, list[object]]:
+    columns: dict[str, list[object]] = {
+        name: []
+        for name in ("x", "x2", "middle", "y", "lower", "upper", "series", "group", "success",
+                     "interval")
+    }  # fmt: skip
+    for kind, entries in bars.items():
+        for index, (success, lower, upper) in enumerate(entries):
+            middle, half = index + _offset(kind), BAR_WIDTH * 0.47
+            row = (
+                *(middle - half, middle + half, middle, success.rate or 0.0, lower, upper),
+                *(ARM_STYLES[kind].name, short(names[index])),
+                (
+                    f"{integer(success.successes)} of {integer(success.trials)} trials: "
+                    f"{percent(success.rate, 1)}"
+                ),
+                percent_interval(lower, upper, 1),
             )
-        )
-        _add_dots(figure, comparison, kind, dots.get(kind, []))
-    for index, entry in enumerate(comparison.groups):
-        annotate(figure, annotation(entry).replace(", ", "\n"), x=index, y=1.04, yanchor="bottom")
-    figure.update_xaxes(
-        tickvals=list(range(len(comparison.groups))),
-        ticktext=[plain(short(entry.group)) for entry in comparison.groups],
-        showgrid=False,
-        range=[-0.5, len(comparison.groups) - 0.5],
-    )
-    figure.update_yaxes(range=[0, 1.2], tickvals=[0, 0.25, 0.5, 0.75, 1], tickformat=".0%")
-    return figure
+            for column, value in zip(columns.values(), row, strict=True):
+                column.append(value)
+    return columns
 
 
-def _add_dots(
-    figure: go.Figure, comparison: Comparison, kind: str, dots: list[dict[int, float]]
-) -> None:
-    x: list[float] = []
-    y: list[float] = []
-    text: list[str] = []
-    for index, rates in enumerate(dots):
-        for (network, rate), offset in zip(rates.items(), _spread(len(rates)), strict=True):
-            x.append(index + _offset(kind) + offset)
-            y.append(rate)
-            text.append(
-                hover(
-                    f"{comparison.groups[index].group}, {ARM_STYLES[kind].name}, network {network}",
-                    percent(rate, 1),
-                )
-            )
-    figure.add_trace(
-        go.Scatter(
-            x=x,
-            y=y,
-            mode="markers",
-            marker={"size": 7, "color": PAPER, "line": {"color": INK, "width": 1.2}},
-            hovertext=text,
-            hoverinfo="text",
-            cliponaxis=False,
-        )
-    )
-
-
-def _still(comparison: Comparison, bars: Bars, dots: Dots) -> StillFigure:
-    figure, (ax,) = axes_grid(1, 1, height_in=3.0)
-    for kind in TRAININGS:
-        style = ARM_STYLES[kind]
-        for index, (success, lower, upper) in enumerate(bars[kind]):
-            x, rate = index + _offset(kind), success.rate or 0.0
-            ax.bar(
-                x,
-                rate,
-                BAR_WIDTH * 0.94,
-                color=style.colour,
-                alpha=OPACITY,
-                label=style.name if index == 0 else None,
-            )
-            ax.errorbar(x, rate, [[rate - lower], [upper - rate]], color=INK, capsize=2.5, lw=0.9)
-        for index, rates in enumerate(dots.get(kind, [])):
-            for rate, offset in zip(rates.values(), _spread(len(rates)), strict=True):
-                x = index + _offset(kind) + offset
-                ax.plot(x, rate, "o", ms=3.5, mfc=PAPER, mec=INK, mew=0.7, clip_on=False, zorder=4)
-    for index, entry in enumerate(comparison.groups):
-        ax.text(index, 1.05, annotation(entry), ha="center", va="bottom", fontsize=7)
-    names = [short(entry.group) for entry in comparison.groups]
-    ax.set_xticks(range(len(names)), names)
-    ax.set_yticks([0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
-    ax.set_ylim(0, 1.17)
-    ax.set_ylabel("share of trials that succeed")
-    handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=3)
-    return figure
+def _dot_rows(dots: Dots, names: list[str]) -> dict[str, list[object]]:
+    columns: dict[str, list[object]] = {
+        name: [] for name in ("x", "y", "series", "network", "group", "success")
+    }
+    for kind, entries in dots.items():
+        for index, rates in enumerate(entries):
+            for (network, rate), offset in zip(rates.items(), _spread(len(rates)), strict=True):
+                row = (index + _offset(kind) + offset, rate, ARM_STYLES[kind].name,
+                       f"network {network}", short(names[index]), percent(rate, 1))  # fmt: skip
+                for column, value in zip(columns.values(), row, strict=True):
+                    column.append(value)
+    return columns
 
 
 def _data(comparison: Comparison, bars: Bars, dots: Dots) -> Columns:

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as StillFigure
 
 from surmount.core.arrays import FloatArray
 from surmount.report.comparison import Comparison, GroupComparison
-from surmount.report.document.parts import Columns, Figure, Panel
-from surmount.report.document.text import number, p_value, short
-from surmount.report.figures.palette import ARM_STYLES, arm_lines, translucent
-from surmount.report.figures.plots import annotate, compact, hover, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.document.parts import Columns, Figure
+from surmount.report.document.text import number, p_value, percent, short
+from surmount.report.figures.charts import figure, frame, layers, seen, shares, styles, words, x_of
+from surmount.report.figures.palette import ARM_STYLES
 from surmount.stats.survival import KaplanMeier
 from surmount.workflow.run_layout import ARMS
 
 Steps = tuple[FloatArray, FloatArray]
+
+HEIGHT_PX = 210
+LEAST_PX = 270
 
 
 def survival_curves(comparison: Comparison) -> Figure:
@@ -36,13 +36,12 @@ def survival_curves(comparison: Comparison) -> Figure:
         alternative="Survival curves per group, curriculum against control: "
         + "; ".join(f"{entry.group}: {log_rank_text(entry)}" for entry in comparison.groups)
         + ".",
-        legend=arm_lines(ARMS),
-        panels=tuple(
-            Panel(plot=_panel(entry, comparison.cap_s), height_px=290, title=entry.group)
-            for entry in comparison.groups
+        chart=figure(
+            [_panel(entry, comparison.cap_s) for entry in comparison.groups],
+            columns=3,
+            least_px=LEAST_PX,
+            zoom=True,
         ),
-        panel_width_px=290,
-        still=lambda: _still(comparison),
         data=_data(comparison),
     )
 
@@ -75,85 +74,51 @@ def _limits(curve: KaplanMeier, cap_s: float) -> tuple[FloatArray, FloatArray, F
     return time, both[0], both[1]
 
 
-def _panel(entry: GroupComparison, cap_s: float) -> go.Figure:
-    figure = plot(x_title="time (s)", y_title="share not finished")
+def _panel(entry: GroupComparison, cap_s: float) -> alt.LayerChart:
+    columns: dict[str, list[object]] = {
+        name: []
+        for name in ("x", "y", "lower", "upper", "series", "time", "not finished", "at risk")
+    }
     for arm in ARMS:
-        style, curve = ARM_STYLES[arm], entry.survival[arm]
-        time, lower, upper = _limits(curve, cap_s)
-        for values, fill in ((upper, None), (lower, "tonexty")):
-            figure.add_trace(
-                go.Scatter(
-                    x=compact(time),
-                    y=compact(values),
-                    mode="lines",
-                    line={"width": 0, "shape": "hv"},
-                    fill=fill,
-                    fillcolor=translucent(style.colour, 0.15),
-                    hoverinfo="skip",
-                )
-            )
+        curve = entry.survival[arm]
         corner, survival = _curve(curve, cap_s)
-        at_risk = [curve.n_trials, *curve.at_risk.tolist(), None]
-        figure.add_trace(
-            go.Scatter(
-                x=compact(corner),
-                y=compact(survival),
-                mode="lines",
-                line={"color": style.colour, "width": 2.2, "dash": style.dash, "shape": "hv"},
-                hovertext=[
-                    hover(
-                        f"{style.name}, {at:.1f} s: {100 * value:.1f} % not finished",
-                        *([] if risk is None else [f"{risk} at risk just before"]),
-                    )
-                    for at, value, risk in zip(
-                        corner.tolist(), survival.tolist(), at_risk, strict=True
-                    )
-                ],
-                hoverinfo="text",
-            )
-        )
-    annotate(
-        figure,
-        log_rank_text(entry),
-        x=0.99,
-        y=1.0,
-        xref="paper",
-        yref="paper",
-        xanchor="right",
-        yanchor="top",
+        _, lower, upper = _limits(curve, cap_s)
+        columns["x"] += corner.tolist()
+        columns["y"] += survival.tolist()
+        columns["lower"] += lower.tolist()
+        columns["upper"] += upper.tolist()
+        columns["series"] += [ARM_STYLES[arm].name] * corner.size
+        columns["time"] += [f"{at:.1f} s" for at in corner]
+        columns["not finished"] += [percent(float(share), 1) for share in survival]
+        columns["at risk"] += [curve.n_trials, *curve.at_risk.tolist(), None]
+    look = [ARM_STYLES[arm] for arm in ARMS]
+    base = alt.Chart(frame(columns)).encode(
+        x_of("x", "time (s)", domain=(0, cap_s), axis=alt.Axis(grid=False))
     )
-    figure.update_xaxes(range=[0, cap_s])
-    figure.update_yaxes(range=[0, 1.16], tickvals=[0, 0.25, 0.5, 0.75, 1], tickformat=".0%")
-    return figure
-
-
-def _still(comparison: Comparison) -> StillFigure:
-    count = len(comparison.groups)
-    columns = min(3, count)
-    rows = -(-count // columns)
-    figure, axes = axes_grid(rows, columns, height_in=2.2 * rows + 0.4, used=count, share_y=True)
-    for index, (entry, ax) in enumerate(zip(comparison.groups, axes, strict=True)):
-        _draw(ax, entry, comparison.cap_s)
-        if index % columns == 0:
-            ax.set_ylabel("share not finished")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=2)
-    return figure
-
-
-def _draw(ax: Axes, entry: GroupComparison, cap_s: float) -> None:
-    for arm in ARMS:
-        style, curve = ARM_STYLES[arm], entry.survival[arm]
-        time, lower, upper = _limits(curve, cap_s)
-        ax.fill_between(time, lower, upper, step="post", color=style.colour, alpha=0.15, lw=0)
-        corner, survival = _curve(curve, cap_s)
-        ax.step(corner, survival, where="post", color=style.colour, ls=style.line, label=style.name)
-    ax.set_title(f"{short(entry.group)}\n{log_rank_text(entry)}", fontsize=7.5)
-    ax.set_xlim(0, cap_s)
-    ax.set_ylim(0, 1.05)
-    ax.set_yticks([0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
-    ax.set_xlabel("time (s)")
-    ax.grid(visible=True)
+    text = log_rank_text(entry).replace(", ", "\n")
+    return layers(
+        base.mark_area(interpolate="step-after", clip=True).encode(
+            shares("share not finished", "lower", top=1.2),
+            y2="upper:Q",
+            opacity=seen(0.18),
+            **styles(look, "color"),
+        ),
+        base.mark_line(interpolate="step-after", clip=True).encode(
+            alt.Y("y:Q"), opacity=seen(), **styles(look, "color", "strokeDash")
+        ),
+        base.mark_point(filled=True, size=50, clip=True).encode(
+            alt.Y("y:Q"),
+            opacity=alt.value(0),
+            tooltip=[
+                alt.Tooltip("series:N", title="arm"), "time:N", "not finished:N",
+                alt.Tooltip("at risk:N", title="at risk just before"),
+            ],
+        ),
+        words({"text": [text]}, x=alt.value("width"), y=alt.value(2), align="right",
+              baseline="top", lineBreak="\n", dx=-2),
+        height=HEIGHT_PX,
+        title=short(entry.group),
+    )  # fmt: skip
 
 
 def _data(comparison: Comparison) -> Columns:

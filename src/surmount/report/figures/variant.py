@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.figure import Figure as StillFigure
 
 from surmount.analysis.features import describe_variant
 from surmount.core.axis import Axes, values_of
 from surmount.report.comparison import Comparison, VariantSuccess
-from surmount.report.document.parts import Columns, Figure, LegendEntry, Panel
+from surmount.report.document.parts import Columns, Figure
 from surmount.report.document.text import (
     axis_label,
     integer,
@@ -17,12 +16,24 @@ from surmount.report.document.text import (
     percent_interval,
     short,
 )
-from surmount.report.figures.palette import ARM_STYLES, group_colour, translucent
-from surmount.report.figures.plots import annotate, hover, plain, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.figures.charts import (
+    figure,
+    frame,
+    layers,
+    seen,
+    shares,
+    styles,
+    tick_labels,
+    words,
+    x_of,
+)
+from surmount.report.figures.palette import ARM_STYLES, group_series
 from surmount.report.figures.variant_matrix import ticks_of
 from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import TRAININGS
+
+HEIGHT_PX = 280
+LEAST_PX = 340
 
 Spans = list[tuple[float, float, int]]
 """Where groups lie along the axis: from, to, and the group."""
@@ -32,11 +43,6 @@ def success_by_variant(comparison: Comparison, curriculum: Curriculum) -> Figure
     """Draw success on each variant with Wilson's intervals."""
     spans = _spans(curriculum) if len(curriculum.parameters) == 1 else []
     logarithmic = bool(spans) and curriculum.axes[0].kind == "logarithmic"
-    groups = tuple(
-        LegendEntry(text=f"group: {group.name}", colour=group_colour(index), shape="square")
-        for index, group in enumerate(curriculum.groups)
-        if spans
-    )
     return Figure(
         name="figure-10-success-by-variant",
         label="Figure 10",
@@ -51,22 +57,9 @@ def success_by_variant(comparison: Comparison, curriculum: Curriculum) -> Figure
         ),
         alternative="Curves of success over the variants for initiation, curriculum and control, "
         "with intervals.",
-        legend=(
-            *(
-                LegendEntry(
-                    text=ARM_STYLES[kind].name,
-                    colour=ARM_STYLES[kind].colour,
-                    shape={"circle": "circle", "diamond": "diamond"}.get(  # type: ignore[arg-type]
-                        ARM_STYLES[kind].marker, "square"
-                    ),
-                )
-                for kind in TRAININGS
-            ),
-            *groups,
+        chart=figure(
+            [_panel(comparison, curriculum, spans)], columns=1, least_px=LEAST_PX, zoom=True
         ),
-        panels=(Panel(plot=_panel(comparison, curriculum, spans), height_px=340),),
-        panel_width_px=340,
-        still=lambda: _still(comparison, curriculum, spans),
         data=_data(comparison, curriculum),
     )
 
@@ -108,93 +101,72 @@ def _title(curriculum: Curriculum) -> str:
     return f"variant ({', '.join(curriculum.parameters)})"
 
 
-def _panel(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> go.Figure:
-    figure = plot(x_title=_title(curriculum), y_title="share of trials that succeed")
-    for low, high, group in spans:
-        figure.add_shape(
-            type="rect",
-            x0=low,
-            x1=high,
-            y0=1.05,
-            y1=1.12,
-            fillcolor=translucent(group_colour(group), 0.75),
-            line={"width": 0},
-            layer="below",
-        )
-        annotate(
-            figure,
-            short(curriculum.groups[group].name),
-            x=(low + high) / 2,
-            y=1.085,
-            yanchor="middle",
-            captureevents=False,
-        )
+def _panel(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> alt.LayerChart:
+    axes, look = curriculum.axes, [ARM_STYLES[kind] for kind in TRAININGS]
+    columns: dict[str, list[object]] = {
+        name: []
+        for name in ("x", "y", "lower", "upper", "series", "variant", "success", "interval")
+    }
     for kind in TRAININGS:
-        _add_curve(figure, kind, comparison.by_variant[kind], curriculum.axes)
-    figure.update_yaxes(range=[-0.02, 1.14], tickvals=[0, 0.25, 0.5, 0.75, 1], tickformat=".0%")
-    ticks = _ticks(comparison, curriculum.axes)
-    if ticks is not None:
-        figure.update_xaxes(tickvals=ticks[0], ticktext=[plain(text) for text in ticks[1]])
-    return figure
-
-
-def _add_curve(figure: go.Figure, kind: str, rows: tuple[VariantSuccess, ...], axes: Axes) -> None:
-    style, x = ARM_STYLES[kind], _positions(rows, axes)
-    figure.add_trace(
-        go.Scatter(
-            x=[*x, *reversed(x)],
-            y=[*(row.upper for row in rows), *(row.lower for row in reversed(rows))],
-            mode="lines",
-            line={"width": 0},
-            fill="toself",
-            fillcolor=translucent(style.colour, 0.15),
-            hoverinfo="skip",
-        )
+        rows = comparison.by_variant[kind]
+        for place, row in zip(_positions(rows, axes), rows, strict=True):
+            own = (
+                *(place, row.rate, row.lower, row.upper, ARM_STYLES[kind].name),
+                describe_variant(row.variant, axes),
+                f"{integer(row.successes)} of {integer(row.trials)}: {percent(row.rate, 1)}",
+                percent_interval(row.lower, row.upper, 1),
+            )
+            for column, value in zip(columns.values(), own, strict=True):
+                column.append(value)
+    ticks = _ticks(comparison, axes)
+    upright = ticks is not None and len(axes) > 1
+    hidden = alt.Axis(labels=False, ticks=False, grid=False,
+                      titlePadding=70 if upright else 20)  # fmt: skip
+    x = x_of("x", _title(curriculum), axis=alt.Axis(grid=False) if ticks is None else hidden)
+    base = alt.Chart(frame(columns)).encode(
+        x,
+        tooltip=["variant:N", alt.Tooltip("series:N", title="after"), "success:N", "interval:N"],
     )
-    figure.add_trace(
-        go.Scatter(
-            x=x,
-            y=[row.rate for row in rows],
-            mode="lines+markers",
-            line={"color": style.colour, "width": 2, "dash": style.dash},
-            marker={"symbol": style.marker, "size": 8, "color": style.colour},
-            hovertext=[
-                hover(
-                    f"{describe_variant(row.variant, axes)}, {style.name}",
-                    f"{integer(row.successes)} of {integer(row.trials)}: {percent(row.rate, 1)}",
-                    f"95 % interval {percent_interval(row.lower, row.upper, 1)}",
-                )
-                for row in rows
-            ],
-            hoverinfo="text",
-        )
+    return layers(
+        base.mark_area(clip=True).encode(
+            shares("share of trials that succeed", "lower", top=1.14, bottom=-0.02),
+            y2="upper:Q",
+            opacity=seen(0.18),
+            **styles(look, "color"),
+        ),
+        base.mark_line(clip=True).encode(
+            alt.Y("y:Q"), opacity=seen(), **styles(look, "color", "strokeDash", "shape")
+        ),
+        base.mark_point(filled=True, size=50, clip=True).encode(
+            alt.Y("y:Q"), opacity=seen(), **styles(look, "color", "shape")
+        ),
+        *_strip(curriculum, spans),
+        *([] if ticks is None else [tick_labels(*ticks, HEIGHT_PX, upright=upright)]),
+        height=HEIGHT_PX,
     )
 
 
-def _still(comparison: Comparison, curriculum: Curriculum, spans: Spans) -> StillFigure:
-    figure, (ax,) = axes_grid(1, 1, height_in=2.9)
-    for low, high, group in spans:
-        ax.fill_between([low, high], 1.05, 1.13, color=group_colour(group), alpha=0.75, lw=0)
-        name = short(curriculum.groups[group].name)
-        ax.text((low + high) / 2, 1.087, name, ha="center", va="center", fontsize=7)
-    for kind in TRAININGS:
-        style, rows = ARM_STYLES[kind], comparison.by_variant[kind]
-        x = _positions(rows, curriculum.axes)
-        lower, upper = [row.lower for row in rows], [row.upper for row in rows]
-        rates = [np.nan if row.rate is None else row.rate for row in rows]
-        ax.fill_between(x, lower, upper, color=style.colour, alpha=0.15, lw=0)
-        ax.plot(x, rates, style.point, ls=style.line, color=style.colour, ms=4, label=style.name)
-    ticks = _ticks(comparison, curriculum.axes)
-    if ticks is not None:
-        ax.set_xticks(*ticks, rotation=0 if spans else 90)
-    ax.set_ylim(-0.03, 1.15)
-    ax.set_yticks([0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
-    ax.set_xlabel(_title(curriculum))
-    ax.set_ylabel("share of trials that succeed")
-    ax.grid(visible=True)
-    handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=3)
-    return figure
+def _strip(curriculum: Curriculum, spans: Spans) -> list[alt.Chart]:
+    """Return the groups as a strip above the curves."""
+    if not spans:
+        return []
+    low, high, index = zip(*spans, strict=True)
+    look = [group_series(i, short(group.name)) for i, group in enumerate(curriculum.groups)]
+    rows = {"x": low, "x2": high, "group": [look[i].name for i in index]}
+    strip = alt.Chart(frame({**rows, "y": [1.05] * len(low), "y2": [1.12] * len(low)}))
+    middles = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+    names = {"x": middles, "y": [1.085] * len(low), "text": rows["group"]}
+    return [
+        strip.mark_rect(fillOpacity=0.35, strokeWidth=1, clip=True).encode(
+            alt.X("x:Q"),
+            alt.Y("y:Q"),
+            x2="x2:Q",
+            y2="y2:Q",
+            tooltip="group:N",
+            **styles(look, "fill", "stroke", legend=False, field="group"),
+        ),
+        words(names, baseline="middle", size=10, clip=True),
+    ]
 
 
 def _data(comparison: Comparison, curriculum: Curriculum) -> Columns:

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import altair as alt
 import numpy as np
-import plotly.graph_objects as go
-from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.figure import Figure as StillFigure
-from matplotlib.patches import Rectangle
 
 from surmount.analysis.result import Analysis
 from surmount.core.arrays import FloatArray
-from surmount.report.document.text import axis_label
-from surmount.report.figures.palette import SEQUENTIAL, group_colour
-from surmount.report.figures.plots import compact, hover, plain, plot
+from surmount.report.document.text import axis_label, short
+from surmount.report.figures.charts import frame, layers, styles
+from surmount.report.figures.palette import SEQUENTIAL, Series, group_series
 
 
 def matrix_panel(
-    analysis: Analysis, values: FloatArray, words: Callable[[float], str], *, likeness: bool = False
-) -> go.Figure:
-    """Return an interactive heat map of values from 0 to 1, shape ``(variant, variant)``.
+    analysis: Analysis,
+    values: FloatArray,
+    words: Callable[[float], str],
+    *,
+    height: int,
+    title: str,
+    series: Sequence[Series] = (),
+    likeness: bool = False,
+) -> alt.LayerChart:
+    """Return a heat map of values from 0 to 1, shape ``(variant, variant)``.
 
     Parameters
     ----------
@@ -32,90 +35,102 @@ def matrix_panel(
         What is drawn.
     words
         A value as the label that appears on hovering tells it.
+    height, title
+        Of the panel.
+    series
+        All that the figure tells by colour, where that is more than the groups.
     likeness
         Whether 1 means alike, and is drawn light; else 0 does.
     """
-    labels = analysis.labels_of_variants
-    title = variant_title(analysis)
-    figure = plot(x_title=title, y_title=title)
+    labels = variant_names(analysis)
     n = len(labels)
     names = [analysis.groups[group].name for group in analysis.labels]
-    figure.add_trace(
-        go.Heatmap(
-            z=compact(values),
-            x=np.arange(n),
-            y=np.arange(n),
-            zmin=0,
-            zmax=1,
-            colorscale=[list(stop) for stop in _stops(likeness=likeness)],
-            hovertext=[
-                [
-                    hover(
-                        f"{labels[row]} ({names[row]}) and {labels[column]} ({names[column]})",
-                        words(float(values[row, column])),
-                    )
-                    for column in range(n)
-                ]
-                for row in range(n)
+    rows, columns = (side.ravel() for side in np.indices((n, n)))
+    cells = frame(
+        {
+            "row": [labels[i] for i in rows],
+            "column": [labels[j] for j in columns],
+            "value": values.ravel(),
+            "variants": [
+                f"{labels[i]} ({short(names[i])}) and {labels[j]} ({short(names[j])})"
+                for i, j in zip(rows, columns, strict=True)
             ],
-            hoverinfo="text",
-            colorbar={
-                "orientation": "h",
-                "thickness": 9,
-                "len": 0.6,
-                "y": 1.0,
-                "yanchor": "bottom",
-                "tickvals": [0, 0.5, 1],
-                "outlinewidth": 0,
-            },
+            "told": [words(float(value)) for value in values.ravel()],
+        }
+    )
+    x, y = variant_axis(analysis, alt.X, "column"), variant_axis(analysis, alt.Y, "row")
+    heat = (
+        alt.Chart(cells)
+        .mark_rect()
+        .encode(
+            x,
+            y,
+            fill=alt.Fill(
+                "value:Q",
+                title=None,
+                scale=alt.Scale(domain=[0, 1], range=list(_stops(likeness=likeness))),
+                legend=None,
+            ),
+            tooltip=[alt.Tooltip("variants:N"), alt.Tooltip("told:N", title="between them")],
         )
     )
-    for start, stop in runs(analysis):
-        figure.add_shape(
-            type="rect",
-            x0=start - 0.5,
-            x1=stop + 0.5,
-            y0=start - 0.5,
-            y1=stop + 0.5,
-            line={"color": group_colour(int(analysis.labels[start])), "width": 3},
+    first, last = zip(*runs(analysis), strict=True)
+    frames = (
+        alt.Chart(
+            frame(
+                {
+                    "first": [labels[i] for i in first],
+                    "last": [labels[i] for i in last],
+                    "series": [short(names[i]) for i in first],
+                }
+            )
         )
-    ticks = ticks_of(n)
-    axis: dict[str, Any] = {
-        "tickvals": ticks,
-        "ticktext": [plain(labels[i]) for i in ticks],
-        "showgrid": False,
-        "constrain": "domain",
-    }
-    figure.update_xaxes(**axis, range=[-0.6, n - 0.4])
-    figure.update_yaxes(**axis, range=[n - 0.4, -0.6], scaleanchor="x")
-    figure.update_layout(margin={"t": 4})
-    return figure
+        .mark_rect(filled=False, strokeWidth=3)
+        .encode(
+            variant_axis(analysis, alt.X, "first", bandPosition=0),
+            variant_axis(analysis, alt.Y, "first", bandPosition=0),
+            x2=alt.X2("last", bandPosition=1),
+            y2=alt.Y2("last", bandPosition=1),
+            **styles(series or group_styles(analysis), "color"),
+        )
+    )
+    return layers(heat, frames, height=height, title=title).resolve_scale(fill="independent")
 
 
-def draw_matrix(
-    figure: StillFigure,
-    ax: Axes,
-    analysis: Analysis,
-    values: FloatArray,
-    title: str,
-    *,
-    likeness: bool = False,
-) -> None:
-    """Draw the same with Matplotlib, the meaning of the colours above it."""
-    n = analysis.variants.shape[0]
-    colours = LinearSegmentedColormap.from_list("matrix", list(_stops(likeness=likeness)))
-    image = ax.imshow(values, vmin=0, vmax=1, cmap=colours, interpolation="nearest")
-    for start, stop in runs(analysis):
-        size, colour = stop - start + 1, group_colour(int(analysis.labels[start]))
-        ax.add_patch(Rectangle((start - 0.5, start - 0.5), size, size, fill=False, ec=colour, lw=2))
-    ticks = ticks_of(n)
-    labels = [analysis.label(i) for i in ticks]
-    ax.set_xticks(ticks, labels, rotation=0 if len(analysis.parameters) == 1 else 90)
-    ax.set_yticks(ticks, labels)
-    ax.set_xlabel(variant_title(analysis))
-    ax.set_ylabel(variant_title(analysis))
-    ax.spines[:].set_visible(False)
-    figure.colorbar(image, ax=ax, shrink=0.6, location="top", label=title)
+def group_styles(analysis: Analysis) -> list[Series]:
+    """Return how the groups of an analysis are drawn."""
+    return [group_series(i, short(group.name)) for i, group in enumerate(analysis.groups)]
+
+
+def variant_names(analysis: Analysis) -> list[str]:
+    """Return variants as people write them; of two that are written alike the second is marked."""
+    found: list[str] = []
+    for label in map(short, analysis.labels_of_variants):
+        name = label
+        while name in found:
+            name += "′"
+        found.append(name)
+    return found
+
+
+def variant_axis(
+    analysis: Analysis, channel: type[alt.X] | type[alt.Y], field: str, **options: Any
+) -> alt.X | alt.Y:
+    """Return an axis on which the variants stand in a row."""
+    labels = variant_names(analysis)
+    several = len(analysis.parameters) > 1
+    return channel(
+        f"{field}:N",
+        sort=None,
+        title=variant_title(analysis),
+        scale=alt.Scale(domain=labels, padding=0),
+        axis=alt.Axis(
+            values=[labels[i] for i in ticks_of(len(labels))],
+            labelAngle=270 if several and channel is alt.X else 0,
+            grid=False,
+        ),
+        **options,
+    )
 
 
 def variant_title(analysis: Analysis) -> str:
@@ -138,7 +153,5 @@ def ticks_of(n: int) -> list[int]:
     return list(range(0, n, step))
 
 
-def _stops(*, likeness: bool) -> list[tuple[float, str]]:
-    if not likeness:
-        return list(SEQUENTIAL)
-    return [(1.0 - place, colour) for place, colour in reversed(SEQUENTIAL)]
+def _stops(*, likeness: bool) -> tuple[str, ...]:
+    return SEQUENTIAL[::-1] if likeness else SEQUENTIAL

@@ -7,9 +7,10 @@ from surmount.report.document.text import counted, integer
 from surmount.report.figures.learning import learning_curves
 from surmount.report.figures.palette import ARM_STYLES
 from surmount.report.results import RunResults
+from surmount.report.sections.exposure import exposure_blocks
 from surmount.report.sections.level_tests import level_tests
 from surmount.report.sections.levels_left import levels_left_blocks
-from surmount.workflow.run_layout import CURRICULUM, TRAININGS
+from surmount.workflow.run_layout import CONTROL, CURRICULUM, TRAININGS
 
 FEW_TESTS = 12
 """Up to so many tests are shown at once; more are folded network by network."""
@@ -28,7 +29,11 @@ def learning_section(results: RunResults) -> Section:
         )
     blocks.append(training_table(results))
     if results.analysis is not None:
-        blocks += levels_left_blocks(results.trainings[CURRICULUM], results.analysis.curriculum)
+        curriculum = results.analysis.curriculum
+        blocks += exposure_blocks(
+            results.trainings[CURRICULUM], results.trainings[CONTROL], curriculum
+        )
+        blocks += levels_left_blocks(results.trainings[CURRICULUM], curriculum)
     blocks += level_tests(results)
     return Section(anchor="learning", title="Learning", blocks=tuple(blocks))
 

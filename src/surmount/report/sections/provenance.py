@@ -27,10 +27,12 @@ def provenance_section(folder: RunFolder) -> Section:
         Fold(
             summary=f"The full configuration ({len(config)} fields)",
             blocks=(_pairs("Configuration", ("key", "value"), config),),
+            printed=False,
         ),
         Fold(
             summary=f"All stages ({len(folder.protocol)} finished, {len(folder.missing)} missing)",
             blocks=(stage_table(folder),),
+            printed=False,
         ),
     ]
     return Section(anchor="provenance", title="How this was made", blocks=tuple(blocks))

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from surmount.analysis.cut import may_divide
 from surmount.analysis.result import Analysis
+from surmount.report.answer import answer, networks_in_group
 from surmount.report.document.parts import Notice
 from surmount.report.document.text import (
-    SPACE,
     counted,
     duration,
     integer,
     listed,
     percent,
-    percent_interval,
     variant_range,
 )
 from surmount.report.results import RunResults
@@ -84,7 +83,7 @@ def one_group_notice(analysis: Analysis | None) -> list[Notice]:
 
 
 def summary(results: RunResults) -> list[str]:
-    """Say what was grouped, how many levels there are, and what the tests show."""
+    """Answer whether the curriculum helps, then say what that rests on, group by group."""
     analysis, comparison = results.analysis, results.comparison
     if analysis is None:
         trained = len(results.trainings[INITIATION])
@@ -94,30 +93,17 @@ def summary(results: RunResults) -> list[str]:
                 "initiation; the analysis is still to come."
             )
         ]
-    sentences = [grouping_sentence(analysis), level_sentence(analysis)]
+    first, *rest = answer(results).sentences
+    sentences = [first, grouping_sentence(analysis), level_sentence(analysis), *rest]
     if len(analysis.groups) == 1 and analysis.curriculum.levels:
         # The arms are one treatment: to rank them would tell chance for an effect.
         return sentences
     if comparison is None:
         return [*sentences, "The comparison of both arms is still to come."]
-    sentences += [group_sentence(entry) for entry in comparison.groups]
-    difference = comparison.difference
-    over = f"Over {counted(difference.n_networks[0], 'network')} per arm, the interquartile mean "
-    over += f"of success differs by {_points(difference.estimate)} (curriculum minus control"
-    if difference.lower is None or difference.upper is None:
-        sentences.append(f"{over}). {difference.reason}")
-        return sentences
-    excluded = difference.lower > 0 or difference.upper < 0
-    limits = percent_interval(difference.lower, difference.upper, 1).replace(f"{SPACE}%", " points")
-    sentences.append(
-        f"{over}, 95 % interval {limits}): "
-        + ("the interval excludes zero." if excluded else "the interval includes zero.")
-    )
-    return sentences
-
-
-def _points(share: float) -> str:
-    return f"{100 * share:+.1f} percentage points".replace("-", "\N{MINUS SIGN}")
+    return sentences + [
+        group_sentence(entry, networks_in_group(results, index))
+        for index, entry in enumerate(comparison.groups)
+    ]
 
 
 def grouping_sentence(analysis: Analysis) -> str:

@@ -19,7 +19,7 @@ from surmount.rstar.course.episodes import Episodes
 from surmount.rstar.course.infos import Infos, final_infos, step_infos, with_masks
 from surmount.rstar.course.measures import FEATURE_NAMES, Measures
 from surmount.rstar.course.observations import Observations, Observer, observation_terms
-from surmount.rstar.course.obstacles import find_obstacle
+from surmount.rstar.course.obstacles import Obstacle, find_obstacle
 from surmount.rstar.course.options import check_start, read_options
 from surmount.rstar.course.pictures import RENDER_MODES, Pictures
 from surmount.rstar.course.randomiser import Randomiser
@@ -56,7 +56,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
     Parameters
     ----------
     obstacle
-        ``"narrow-channel"``, ``"low-entrance"`` or ``"step"``.
+        ``"narrow-channel"``, ``"low-entrance"`` or ``"step"``, or a family of obstacles.
     num_envs
         Number of environments.
     config
@@ -87,7 +87,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
 
     def __init__(
         self,
-        obstacle: str,
+        obstacle: str | Obstacle,
         num_envs: int,
         *,
         config: EnvConfig | None = None,
@@ -100,7 +100,7 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         if num_envs < 1:
             raise ConfigError(f"`num_envs` is {num_envs}.", remedy="Give 1 or more.")
         self.config = config or EnvConfig()
-        self.obstacle = find_obstacle(obstacle)
+        self.obstacle = find_obstacle(obstacle) if isinstance(obstacle, str) else obstacle
         self.num_envs = num_envs
         self.render_mode = render_mode
         self._usual_start = start
@@ -269,6 +269,13 @@ class ObstacleVectorEnv(VectorEnv[Observations, npt.NDArray[Any], npt.NDArray[An
         infos = with_masks(self._infos(now), self._everywhere)
         infos.update(final)
         return self._observe(now), reward, terminated, truncated, infos
+
+    def park(self, envs: BoolArray) -> None:
+        """End episodes, shape ``(env,)``, without an outcome: until they are reset nothing moves.
+
+        For environments without automatic reset, after their first one.
+        """
+        self._episodes.park(envs)
 
     def _observe(self, measures: Measures) -> Observations:
         noise = None if self._randomiser is None else self._randomiser.noise

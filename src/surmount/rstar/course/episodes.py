@@ -125,6 +125,11 @@ class Episodes:
         self._take_stock()
         return ended
 
+    def park(self, envs: BoolArray) -> None:
+        """Cut episodes short, shape ``(env,)``, whatever came of them."""
+        self.truncated |= envs & ~self.terminated
+        self._take_stock()
+
     def covered(self, now: Measures) -> FloatArray:
         """Return the share of the way to the target line that was covered, ``(env,)``, 0 to 1.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from surmount.envs.family import TaskFamily
+from surmount.rstar.all_obstacles import AllObstaclesFamily
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.family import ObstacleFamily
 from surmount.rstar.shuffled import ShuffledFamily
@@ -26,8 +28,9 @@ class PaperFamily(ObstacleFamily):
         return [] if section is None else [section]
 
 
-FAMILIES: dict[str, ObstacleFamily] = {
+FAMILIES: dict[str, TaskFamily] = {
     **{name: PaperFamily(obstacle) for name, obstacle in OBSTACLES.items()},
     "shuffled": ShuffledFamily(),
+    "all": AllObstaclesFamily(),
 }
 """What the entry point ``rstar`` registers, by the name of the obstacle."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 from surmount.core.errors import InputError
+from surmount.report.answer import Answer, Help, answer
 from surmount.report.document.parts import (
     Block,
     Column,
@@ -58,6 +59,7 @@ def overview_of(runs: Sequence[RunResults], over_all: Together | None) -> Docume
             remedy="Give one run for each obstacle.",
         )
     claims = {_name(run): run.evidence.claims for run in runs}
+    answers = {_title(run): answer(run) for run in runs}
     sections = [_obstacle(run, claims[_name(run)]) for run in runs]
     if over_all is not None:
         sections.insert(0, _together(over_all, runs))
@@ -65,7 +67,7 @@ def overview_of(runs: Sequence[RunResults], over_all: Together | None) -> Docume
         title="RSTAR's obstacles, claim by claim",
         subtitle="What a reproduction at this scale says to the paper's results",
         notices=tuple(_notices(runs)),
-        summary=tuple(_summary(claims)),
+        summary=(_verdict(answers), *_effects(answers), *_summary(claims)),
         facts=(
             ("obstacles", str(len(runs))),
             ("networks", listed([str(run.folder.networks) for run in runs])),
@@ -93,6 +95,38 @@ def _notices(runs: Sequence[RunResults]) -> list[Notice]:
         replace(notice, title=f"{_title(run)}: {notice.title.lower()}")
         for run in runs
         for notice in notices(run.folder)
+    ]
+
+
+def _verdict(answers: Mapping[str, Answer]) -> str:
+    """Answer for all obstacles in one sentence."""
+    by = {
+        verdict: [name.lower() for name, found in answers.items() if found.verdict == verdict]
+        for verdict in get_args(Help)
+    }
+    helps, harms, unsure = (by[verdict] for verdict in ("helps", "harms", "not shown"))
+    asked = len(helps) + len(harms) + len(unsure)
+    if not asked:
+        return "Whether the curriculum helps cannot be said of any obstacle yet."
+    of = f"of {counted(asked, 'obstacle')} on which it can be asked"
+    if helps and not harms:
+        first = f"The curriculum helps on {len(helps)} {of}: {listed(helps)}"
+    elif harms:
+        first = f"The curriculum harms on {len(harms)} {of}: {listed(harms)}"
+        if helps:
+            first += f"; it helps on {listed(helps)}"
+    else:
+        first = f"The curriculum is not shown to help on any {of}"
+    return f"{first}{f'; on {listed(unsure)} networks do not tell' if unsure else ''}."
+
+
+def _effects(answers: Mapping[str, Answer]) -> list[str]:
+    """Return the effect on each obstacle, by networks."""
+    return [
+        f"{name}: {found.effect}; {found.networks}."
+        if found.effect
+        else f"{name}: {found.sentences[0][0].lower()}{found.sentences[0][1:]}"
+        for name, found in answers.items()
     ]
 
 

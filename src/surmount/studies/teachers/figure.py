@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import plotly.graph_objects as go
-
-from surmount.report.document.parts import Figure, Panel, StillFigure
-from surmount.report.figures.palette import INK
-from surmount.report.figures.plots import compact, plain, plot
-from surmount.report.figures.stills import axes_grid
+from surmount.report.document.parts import Figure
+from surmount.report.figures.charts import figure
+from surmount.report.figures.teachers import differences_panel
 
 AXIS = "mean success, difference to uniform tasks (points)"
 Record = Mapping[str, Any]
@@ -39,10 +36,15 @@ def differences_figure(tasks: Sequence[Record]) -> Figure | None:
         title="Paired differences to uniform tasks",
         caption=("Mean over networks with its bootstrap interval; networks are paired.",),
         alternative="Points with intervals, one per teacher, a panel per task.",
-        legend=(),
-        panels=tuple(_panel(name, [row for row in rows if row[0] == name]) for name in names),
-        panel_width_px=420,
-        still=lambda: _still(names, rows),
+        chart=figure(
+            [
+                differences_panel(name, [row[1:] for row in rows if row[0] == name], (), AXIS)
+                for name in names
+            ],
+            columns=1,
+            least_px=420,
+            pick=False,
+        ),
         data={
             "task": [task for task, _, _ in rows],
             "teacher": [teacher for _, teacher, _ in rows],
@@ -50,42 +52,3 @@ def differences_figure(tasks: Sequence[Record]) -> Figure | None:
                for end in ("estimate", "lower", "upper")},
         },
     )  # fmt: skip
-
-
-def _panel(name: str, rows: Sequence[tuple[str, str, Record]]) -> Panel:
-    chart = plot(x_title=AXIS, y_title="")
-    means = [mean for _, _, mean in rows[::-1]]
-    chart.add_trace(
-        go.Scatter(
-            x=compact([100 * mean["estimate"] for mean in means]),
-            y=[plain(teacher) for _, teacher, _ in rows[::-1]],
-            mode="markers",
-            marker={"color": INK, "size": 9},
-            error_x={
-                "type": "data",
-                "array": compact([100 * (mean["upper"] - mean["estimate"]) for mean in means]),
-                "arrayminus": compact([100 * (mean["estimate"] - mean["lower"]) for mean in means]),
-                "color": INK,
-            },
-        )
-    )
-    chart.add_vline(x=0, line_color=INK, line_width=1)
-    return Panel(plot=chart, height_px=120 + 34 * len(rows), title=name)
-
-
-def _still(names: Sequence[str], rows: Sequence[tuple[str, str, Record]]) -> StillFigure:
-    tallest = max(sum(row[0] == name for row in rows) for name in names)
-    figure, axes = axes_grid(len(names), 1, height_in=0.9 + 0.26 * tallest)
-    for axis, name in zip(axes, names, strict=True):
-        own = [row for row in rows if row[0] == name][::-1]
-        estimates = [100 * mean["estimate"] for _, _, mean in own]
-        ends = [
-            [100 * (mean["estimate"] - mean["lower"]) for _, _, mean in own],
-            [100 * (mean["upper"] - mean["estimate"]) for _, _, mean in own],
-        ]
-        axis.errorbar(estimates, range(len(own)), xerr=ends, fmt="o", color=INK)
-        axis.axvline(0, color=INK, linewidth=0.8)
-        axis.set_yticks(range(len(own)), [teacher for _, teacher, _ in own])
-        axis.set_title(name)
-        axis.set_xlabel(AXIS)
-    return figure

@@ -11,6 +11,7 @@ from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
 from surmount.studies.teachers.learning import LEARN
 from surmount.studies.teachers.plan import ORACLE, REFERENCE, TaskPlan
+from surmount.studies.teachers.returns import RETURNS
 from surmount.teachers.catalogue import SETTINGS, require_space
 from surmount.workflow.graph import Stage
 from surmount.workflow.run_layout import (
@@ -56,6 +57,11 @@ def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False)
         for network in range(plan.pilot if headroom_only else plan.networks)
         for stage in _network(plan, network, headroom_only=headroom_only)
     ]
+
+
+def returns_of(teacher: str) -> str:
+    """Return the kind of the stages that measure a teacher's networks on the target tasks."""
+    return f"returns/{teacher}"
 
 
 def arms(plan: TaskPlan, network: int, *, headroom_only: bool = False) -> tuple[str, ...]:
@@ -104,6 +110,14 @@ def _network(plan: TaskPlan, network: int, *, headroom_only: bool) -> Iterator[S
         )
         tested = stage_name(plan, taught_trials(teacher), network)
         yield from trial_stages(config, tested, record["tests"], network, learnt)
+        if plan.towards == "target":
+            yield Stage(
+                name=stage_name(plan, returns_of(teacher), network),
+                kind=RETURNS,
+                config=task_part(config) | {"learner": record["learner"]},
+                seed=_seed(plan, "returns", network),
+                inputs={"network": (learnt,)},
+            )
 
 
 def _seed(plan: TaskPlan, kind: str, network: int) -> int:

@@ -23,8 +23,9 @@ from surmount.stats.evidence import (
     probability_of_improvement,
 )
 from surmount.stats.holm import holm
-from surmount.studies.teachers.graph import stage_name
+from surmount.studies.teachers.graph import returns_of, stage_name
 from surmount.studies.teachers.plan import ORACLE, REFERENCE, TaskPlan
+from surmount.studies.teachers.returns import mean_returns
 from surmount.teachers.catalogue import find_teacher
 from surmount.workflow.run_layout import INITIATION, TRIALS, taught_trials
 from surmount.workflow.store import Artefact
@@ -129,11 +130,22 @@ def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
                 "success": _listed(found[name]),
                 "summary": _summary(found[name], seed),
                 "below_initial": _below(found[name], initial),
+                "returns": _returns(plan, name, artefacts),
                 "against": None if name == REFERENCE else _against(found[name], reference, seed),
             }
             for name in plan.teachers
         ],
     }
+
+
+def _returns(plan: TaskPlan, teacher: str, artefacts: Mapping[str, Artefact]) -> Record | None:
+    """Return what each network ended at on the target tasks, beside what was published."""
+    names = [stage_name(plan, returns_of(teacher), network) for network in range(plan.networks)]
+    found = mean_returns(names, artefacts)
+    published = plan.config.family.published_returns().get(teacher)
+    if not found:
+        return None
+    return {"networks": found, "published": None if published is None else list(published)}
 
 
 def judged_variants(plan: TaskPlan) -> BoolArray:

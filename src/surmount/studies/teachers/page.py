@@ -6,12 +6,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from surmount.report.document.parts import Block, Column, Document, Paragraph, Section, Table
 from surmount.report.document.text import percent, signed
 from surmount.report.writing import write_document
 from surmount.studies.teachers.figure import differences_figure
 from surmount.studies.teachers.judging import MARGIN, has_headroom
 from surmount.studies.teachers.reading import answer, verdict
+from surmount.studies.teachers.returns import EPISODES
 
 NAME = "comparison"
 """Of the page and its Markdown."""
@@ -51,7 +54,10 @@ def document_of(record: Record) -> Document:
             Section(
                 anchor="scores",
                 title="Success",
-                blocks=tuple(_score_table(task) for task in tasks),
+                blocks=(
+                    *(_score_table(task) for task in tasks),
+                    *(table for task in tasks if (table := _returns_table(task)) is not None),
+                ),
             ),
         ),
     )
@@ -183,4 +189,38 @@ def _score_table(task: Record) -> Table:
         ),
         rows=tuple(rows),
         notes=(said,),
+    )
+
+
+def _returns_table(task: Record) -> Table | None:
+    rows = [
+        (
+            teacher["title"],
+            str(len(found["networks"])),
+            f"{np.mean(found['networks']):.2f}",
+            f"{min(found['networks']):.2f} to {max(found['networks']):.2f}",
+            "" if found["published"] is None else "{:.1f} to {:.1f}".format(*found["published"]),
+        )
+        for teacher in task["teachers"]
+        if (found := teacher.get("returns")) is not None
+    ]
+    if not rows:
+        return None
+    return Table(
+        label="",
+        title=f"{task['title']}: discounted return",
+        columns=(
+            Column(heading="teacher"),
+            Column(heading="networks", numeric=True),
+            Column(heading="mean", numeric=True),
+            Column(heading="over networks", numeric=True),
+            Column(heading="published", numeric=True),
+        ),
+        rows=tuple(rows),
+        notes=(
+            (
+                f"Of {EPISODES} episodes on tasks drawn from the target, by the policy as it draws "
+                "its actions, discounted as it learnt. Published: where the authors' curve ends."
+            ),
+        ),
     )

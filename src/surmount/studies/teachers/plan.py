@@ -12,7 +12,7 @@ from surmount.core.configuration import override
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import read_bytes
 from surmount.experiment.config import ExperimentConfig, fingerprinted
-from surmount.experiment.presets import preset
+from surmount.experiment.presets import configured, preset
 from surmount.teachers.catalogue import TeachersConfig, find_teacher
 
 REFERENCE = "uniform"
@@ -118,7 +118,7 @@ def _task(table: Mapping[str, Any], teaching: TeachersConfig, setting: int) -> T
     teachers = tuple(dict.fromkeys([REFERENCE, *table["teachers"]]))
     for teacher in teachers:
         find_teacher(teacher)
-    config = override(preset(name, "paper"), {**common, "networks": networks})
+    config = configured(preset(name, "paper"), {**common, "networks": networks})
     label = config.task if towards == "range" else f"{config.task}-{towards}"
     if len(table.get("settings", [])) > 1:
         label = f"{label}-setting-{setting}"

@@ -1,0 +1,163 @@
+"""The answer to "does the curriculum help?", by networks, and what it rests on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from surmount.analysis.result import Analysis
+from surmount.analysis.trust import is_stable
+from surmount.core.arrays import FloatArray
+from surmount.report.document.text import SPACE, counted, percent, percent_interval, signed
+from surmount.report.results import RunResults
+from surmount.stats.differences import NetworkDifference
+from surmount.workflow.run_layout import ARMS, CURRICULUM
+
+Help = Literal["helps", "harms", "not shown", "nothing to compare", "open"]
+"""What a run says to it: not shown where the interval over networks holds zero, or there is none;
+nothing to compare where the arms are one treatment; open before both arms were tested."""
+
+OPENING: dict[Help, str] = {
+    "helps": "Yes, the curriculum helps",
+    "harms": "No, the curriculum harms",
+    "not shown": "It is not shown that the curriculum helps",
+    "nothing to compare": "Whether the curriculum helps cannot be asked here",
+    "open": "Whether the curriculum helps is still to come",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a run says to the question, and the sentences that say it.
+
+    Attributes
+    ----------
+    verdict
+        In one word.
+    effect
+        Difference of mean success with its interval, in points; empty where there is none.
+    networks
+        How many networks are ahead with the curriculum; empty likewise.
+    sentences
+        The first answers; the others say what it rests on.
+    """
+
+    verdict: Help
+    effect: str
+    networks: str
+    sentences: tuple[str, ...]
+
+
+def answer(results: RunResults) -> Answer:
+    """Answer from a run, as far as it has come."""
+    analysis, comparison = results.analysis, results.comparison
+    if analysis is None or comparison is None:
+        rest = () if analysis is None else (_stability(analysis),)
+        return Answer(verdict="open", effect="", networks="",
+                      sentences=(f"{OPENING['open']}.", *rest))  # fmt: skip
+    decided = _levels(results)
+    if not analysis.curriculum.levels or len(analysis.groups) == 1:
+        why = (
+            "there is one group, and its one level draws what the control draws"
+            if analysis.curriculum.levels
+            else "every group succeeds already, and neither arm was trained any further"
+        )
+        sentence = f"{OPENING['nothing to compare']}: {why}."
+        return Answer(verdict="nothing to compare", effect="", networks="",
+                      sentences=(sentence, _stability(analysis), *decided))  # fmt: skip
+    mean = comparison.mean_difference
+    found = _verdict(mean)
+    effect, ahead = _effect(mean), _ahead(_by_network(results))
+    sentence = f"{OPENING[found]}: mean success differs by {effect}"
+    sentence += f" (with it minus without; paired t-test over networks); {ahead}."
+    if mean.lower is None and mean.reason:
+        sentence += f" {mean.reason}"
+    return Answer(
+        verdict=found,
+        effect=effect,
+        networks=ahead,
+        sentences=(sentence, _stability(analysis), *decided),
+    )
+
+
+def _verdict(mean: NetworkDifference) -> Help:
+    if mean.lower is None or mean.upper is None:
+        return "not shown"
+    if mean.lower > 0:
+        return "helps"
+    return "harms" if mean.upper < 0 else "not shown"
+
+
+def _effect(mean: NetworkDifference) -> str:
+    estimate = f"{signed(round(100 * mean.estimate, 1))}{SPACE}points"
+    if mean.lower is None or mean.upper is None:
+        return f"{estimate}, without an interval"
+    limits = percent_interval(mean.lower, mean.upper, 0).replace("%", "points")
+    return f"{estimate}, 95{SPACE}% interval {limits}"
+
+
+def _by_network(results: RunResults) -> FloatArray:
+    """Return each network's mean success with the curriculum minus without, ``(network,)``."""
+    first, second = (results.tests[arm].scores().mean(axis=1) for arm in ARMS)
+    return first - second
+
+
+def _ahead(differences: FloatArray) -> str:
+    ahead, behind = int((differences > 0).sum()), int((differences < 0).sum())
+    words = f"{ahead} of {counted(differences.size, 'network')} "
+    words += "is ahead with it" if ahead == 1 else "are ahead with it"
+    return words if ahead + behind == differences.size else f"{words}, {behind} behind"
+
+
+def networks_in_group(results: RunResults, group: int) -> FloatArray:
+    """Return the same over the variants of one group, ``(network,)``."""
+    assert results.analysis is not None  # noqa: S101 - asked where there are groups
+    curriculum = results.analysis.curriculum
+    arms: list[FloatArray] = []
+    for arm in ARMS:
+        outcomes = results.tests[arm]
+        own = curriculum.groups_of(outcomes.variant) == group
+        arms.append(
+            np.array(
+                [
+                    outcomes.success[own & (outcomes.network == network)].mean()
+                    for network in np.unique(outcomes.network)
+                ]
+            )
+        )
+    return arms[0] - arms[1]
+
+
+def _stability(analysis: Analysis) -> str:
+    """Say whether the groups come back when trials are drawn again."""
+    stable, stability = is_stable(analysis), analysis.stability
+    if stability is None:
+        return "How sure the grouping is was not assessed."
+    again = (
+        f"with trials drawn again there were {counted(len(analysis.groups), 'group')} as here in "
+        f"{percent(stability.same_count)} of {stability.replicates} replicates"
+    )
+    return f"The grouping is {'stable' if stable else 'not stable'}: {again}."
+
+
+def _levels(results: RunResults) -> list[str]:
+    """Say how levels ended: by what eq. 5 found, or at the limit of their extensions."""
+    ends = Counter(
+        test.decision
+        for training in results.trainings[CURRICULUM].values()
+        for test in training.level_tests
+        if test.decision != "extend"
+    )
+    if not ends:
+        return []
+    total = sum(ends.values())
+    passed = total - ends["advance at the limit"]
+    sentence = (
+        f"Of {counted(total, 'level')} that ended over all networks, {passed} "
+        f"{'was' if passed == 1 else 'were'} passed because reward grew no further (eq. 5), and "
+        f"{total - passed} left at the limit of extensions."
+    )
+    return [sentence]
