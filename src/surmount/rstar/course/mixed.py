@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -91,7 +91,7 @@ class MixedVectorEnv:
             )
             for kind in KINDS
         ]
-        own = self._parts[0].single_observation_space.high
+        own = cast(Box, self._parts[0].single_observation_space).high
         bounds = np.concatenate([own[:-1], np.ones(len(KINDS), dtype=np.float32), own[-1:]])
         self.single_observation_space = Box(-bounds, bounds, dtype=np.float32)
         self.single_action_space = self._parts[0].single_action_space
