@@ -140,6 +140,18 @@ def test_a_broken_clause_is_named_with_a_remedy(make, clauses, words):
     assert unexpected <= {"features vary", "wind changes the task", "distance_m changes the task"}
 
 
+class Slipping(Fixed):
+    """Begins always alike, and slips once in thirty steps or so."""
+
+    def step(self, action):
+        slips = self.np_random.random() < 0.03
+        return super().step(-action if slips else action)
+
+
+def test_chance_that_strikes_seldom_is_chance():
+    assert "seeds matter" not in broken(lambda: make_point(Slipping()))
+
+
 def test_an_environment_without_a_time_limit_is_found_before_any_episode_runs():
     env = make_point()
     env.env = Failing()
