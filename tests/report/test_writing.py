@@ -101,6 +101,13 @@ def test_page_is_well_formed_and_accessible(reported):
     assert set(anchors) <= set(ids)
     assert len(read.all("h1")) == 1
     assert all(image["alt"] for image in read.all("img"))
+    drawings = [one for one in read.all("div") if one.get("role") == "img"]
+    stills = [image for image in read.all("img") if image.get("class") == "still"]
+    # Drawn or not, a figure is one image with its words; nothing inside Vega's drawing is read out.
+    assert [one["aria-label"] for one in drawings] == [image["alt"] for image in stills]
+    charts = [one for one in read.all("div") if one.get("class") == "chart"]
+    assert len(charts) == len(drawings) == len(FIGURES)
+    assert all(chart["aria-hidden"] == "true" for chart in charts)
     assert all("scope" in heading for heading in read.all("th"))
     assert read.all("html")[0]["lang"] == "en"
 

@@ -27,6 +27,8 @@ class FilmedTrial:
         Which variant is shown, in words.
     rule
         Which trial of it is always chosen, in words.
+    choice
+        Why this variant is shown, as a sentence; empty where its title says so.
     caption, outcome
         Which trial it is, and how it ended.
     successes, trials
@@ -40,6 +42,7 @@ class FilmedTrial:
     kind: str
     variant: str
     rule: str
+    choice: str
     caption: str
     outcome: str
     successes: int
@@ -67,8 +70,9 @@ def read_films(run: RunFolder) -> tuple[FilmedTrial, ...]:
     return tuple(
         FilmedTrial(
             kind=str(record["kind"]),
-            variant=str(record.get("variant") or f"The hardest variant, {record['size_mm']:g} mm"),
+            variant=_title(record),
             rule=str(record.get("rule") or FIRST_TRIAL),
+            choice=str(record.get("choice") or ""),
             caption=str(record["caption"]),
             outcome=str(record["outcome"]),
             successes=int(record["successes"]),
@@ -82,19 +86,29 @@ def read_films(run: RunFolder) -> tuple[FilmedTrial, ...]:
     )
 
 
-def kept_films(run: RunFolder) -> dict[str, dict[str, Any]]:
-    """Return the records of films that still are what was drawn, by the key of their trials."""
+def kept_films(run: RunFolder) -> dict[tuple[str, str], dict[str, Any]]:
+    """Return the records of films that still are what was drawn, by key of trials and variant."""
     if not (run.root / FILMS).is_file():
         return {}
     record = read_record(run.root / FILMS)
     if record.get("schema") != SCHEMA:
         return {}
-    return {film["key"]: film for film in record["films"] if _is_whole(run, film)}
+    films = record["films"]
+    return {(film["key"], _title(film)): film for film in films if _is_whole(run, film)}
+
+
+def hardest_title(size_mm: float) -> str:
+    """Return how the hardest variant of an obstacle is called."""
+    return f"The hardest variant, {size_mm:g} mm"
 
 
 def file_of_film(path: Path) -> dict[str, str]:
     """Return a drawn file as the record of films names it."""
     return {"name": path.name, "sha256": file_hash(path)}
+
+
+def _title(record: dict[str, Any]) -> str:
+    return str(record.get("variant") or hardest_title(record["size_mm"]))
 
 
 def _is_whole(run: RunFolder, film: dict[str, Any]) -> bool:

@@ -12,6 +12,7 @@ from surmount.analysis.determination import determine_curriculum
 from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import write_record
 from surmount.envs.family import NoSettings
+from surmount.studies.teachers.figure import differences_figure, network_differences
 from surmount.studies.teachers.graph import arms, comparison_stages
 from surmount.studies.teachers.judging import _adjust, _returns, against, worst
 from surmount.studies.teachers.learning import oracle_tasks, steps_of
@@ -189,6 +190,23 @@ def test_outcomes_are_read_as_the_plan_says():
     assert only["holm_p"] == only["wilcoxon_p"]
     assert len(ablations.rows) == 2
     assert [row[-1] for row in table.rows] == ["helps", "no harm", "harms", "no harm", "no harm"]
+
+
+def test_the_figure_of_differences_holds_every_network_of_both():
+    task = task_of(0.2, good=0.1)
+    reference = {"name": "uniform", "title": "Uniform", "against": None}
+    reference["success"] = {"0": [0.2, 0.4], "3": [0.5, 0.5]}
+    task["teachers"][0]["success"] = {"0": [0.5, 0.5], "2": [1.0, 1.0], "3": [0.25, 0.5]}
+    task["teachers"].append(reference)
+    found = network_differences(task)
+    assert [row[:2] for row in found] == [("good", 0), ("good", 3)]
+    assert [row[2] for row in found] == pytest.approx([0.2, -0.125])
+    figure = differences_figure([task])
+    assert figure.data["network"] == [None, 0, 3]
+    assert figure.data["estimate"] == pytest.approx([10.0, 20.0, -12.5], abs=0.1)
+    drawn = [row for rows in figure.chart.to_dict()["datasets"].values() for row in rows]
+    rings = {row["network"]: row["x"] for row in drawn if "network" in row}
+    assert rings == {"network 0": 20.0, "network 3": -12.5}
 
 
 def test_nobody_wins_where_one_task_is_harmed():
