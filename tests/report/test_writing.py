@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from importlib import resources
+from urllib.parse import unquote
 
 import pytest
 from markdown_it import MarkdownIt
@@ -110,6 +111,23 @@ def test_page_is_well_formed_and_accessible(reported):
     assert all(chart["aria-hidden"] == "true" for chart in charts)
     assert all("scope" in heading for heading in read.all("th"))
     assert read.all("html")[0]["lang"] == "en"
+
+
+def test_pictures_are_in_the_page_as_they_are_in_their_files(reported):
+    stills = [one for one in PageReader(reported.text()).all("img") if one["class"] == "still"]
+    found = [unquote(still["src"].partition(",")[2]) for still in stills]
+    written = [path.read_text(encoding="utf-8") for path in reported.root.glob("figures/*.svg")]
+    assert sorted(found) == sorted(written)
+
+
+def test_much_data_of_a_figure_lie_beside_the_page_alone(reported, monkeypatch):
+    sizes = {path.stem: len(path.read_bytes()) for path in reported.root.glob("figures/*.csv")}
+    limit = sorted(sizes.values())[len(sizes) // 2]
+    monkeypatch.setattr("surmount.report.document.page.MOST_CSV", limit)
+    charts = packed_charts(_page(reported.root, drawn=()))
+    assert {name for name, chart in charts.items() if chart["csv"] is None} == {
+        name for name, size in sizes.items() if size > limit
+    }
 
 
 def test_page_loads_nothing_from_anywhere(reported):

@@ -17,6 +17,8 @@ from surmount.report.figures.palette import DARK
 from surmount.report.figures.stills import StillFiles, csv_text
 
 TEMPLATES = "templates"
+MOST_CSV = 100_000
+"""Characters of a figure's data that the page carries; more lie beside it alone."""
 
 
 def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
@@ -41,7 +43,7 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
     return template.render(
         document=document,
         data_uri=_data_uri,
-        pictures={name: _data_uri(still.svg, "image/svg+xml") for name, still in stills.items()},
+        pictures={name: _picture(still.svg.decode()) for name, still in stills.items()},
         style=Markup(_own("page.css")),  # noqa: S704 - a file of this package
         script=Markup(_own("page.js")),  # noqa: S704 - a file of this package
         dark=Markup(json.dumps(DARK)),  # noqa: S704 - names of colours
@@ -52,12 +54,25 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
 
 def _packed_charts(document: Document, stills: Mapping[str, StillFiles]) -> str:
     """Return specification and data of every figure, packed, so that no text in them is markup."""
+    data = {figure.name: csv_text(figure.data) for figure in document.figures()}
     charts = {
-        figure.name: {"spec": stills[figure.name].spec, "csv": csv_text(figure.data)}
-        for figure in document.figures()
+        name: {"spec": stills[name].spec, "csv": csv if len(csv) <= MOST_CSV else None}
+        for name, csv in data.items()
     }
     content = gzip.compress(json.dumps(charts).encode(), compresslevel=9, mtime=0)
     return base64.b64encode(content).decode()
+
+
+def _picture(svg: str) -> Markup:
+    """Return a picture as an address for an attribute in single quotes: a quarter less than base64.
+
+    What ends an attribute, an address or a line is written by its code; ``&`` is escaped as
+    anywhere in HTML, so that the picture's own escapes stay what they are.
+    """
+    for character in "%#'\n\r\t":
+        svg = svg.replace(character, f"%{ord(character):02X}")
+    address = "data:image/svg+xml;charset=utf-8," + svg.replace("&", "&amp;")
+    return Markup(address)  # noqa: S704 - escaped above
 
 
 def _data_uri(content: bytes, kind: str) -> str:

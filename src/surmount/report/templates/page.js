@@ -112,6 +112,10 @@
     ready.then(() => {
       for (const link of document.querySelectorAll("a.csv")) {
         const { csv } = charts[link.closest("figure").querySelector(".chart").dataset.chart];
+        if (csv === null) {
+          link.replaceWith(`data: figures/${link.download}`);
+          continue;
+        }
         link.addEventListener("click", () => {
           link.href = URL.createObjectURL(new Blob([csv], { type: "text/csv;charset=utf-8" }));
         });
