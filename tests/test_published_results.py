@@ -73,3 +73,9 @@ def _rates(folder: Path, learnt: str, network: int) -> pl.DataFrame:
     parameter = outcomes.columns[2]
     own = outcomes.filter((pl.col("learnt") == learnt) & (pl.col("network") == network))
     return own.group_by(parameter).agg(pl.col("success").mean()).sort(parameter)
+
+
+def test_no_published_page_is_too_large_to_open_from_a_repository():
+    pages = [*Path("docs").rglob("*.html")]
+    assert pages
+    assert [page for page in pages if page.stat().st_size > 2_000_000] == []
