@@ -15,7 +15,8 @@ import numpy as np
 import polars as pl
 
 from surmount.core.printing import say
-from surmount.stats import detectable_difference, network_difference
+from surmount.stats.detectable import detectable_difference
+from surmount.stats.differences import network_difference
 
 RANGES = {"all": (0, 999), "21-33": (21, 33), "34-46": (34, 46), "47-50": (47, 50)}
 """Heights in mm: all of them, and the paper's recovered groups."""
