@@ -42,6 +42,8 @@ def test_links_lead_somewhere():
     targets = re.findall(r"\]\(([^)#]+)\)", PAGE)
     assert len(targets) >= 5
     for target in targets:
+        if target.startswith("https://"):
+            continue
         assert (Path(__file__).parent.parent / "docs" / target).is_file(), target
 
 

@@ -20,7 +20,7 @@ def printed(capsys, *arguments) -> dict[str, str]:
         ("env.robot.gear", "--env.robot.gear", ["both"]),
         ("networks", "--networks", ["7"]),
         ("learner.learning_rate", "--learner.learning-rate", ["0.0001"]),
-        ("learner.time_horizon", "--learner.time-horizon", ["64"]),
+        ("learner.time_horizon", "--learner.time-horizon", ["128"]),
     ],
 )
 def test_a_flag_does_what_set_does(capsys, key, flag, values):

@@ -32,7 +32,9 @@ def test_a_trained_network_becomes_onnx(capsys, network, tmp_path):
     )
     assert mean.shape == (2, 3)
     np.testing.assert_allclose(
-        std, np.exp(Snapshot.load(network).tensors["policy/log_std"]), rtol=1e-6
+        std * small_config().learner.action_divisor,
+        np.exp(Snapshot.load(network).tensors["policy/log_std"]),
+        rtol=1e-6,
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import pytest
 
@@ -33,7 +32,8 @@ def test_without_times_the_values_per_decision_hold_at_every_interval():
     for interval_s in (0.005, 0.02, 1.0):
         rates = config.at_interval(interval_s)
         assert (rates.discount, rates.gae_lambda, rates.noise_correlation) == (0.97, 0.9, 0.0)
-    assert replace(config, discount_time_s=1.0).at_interval(0.5).gae_lambda == 0.9
+    seconds = LearnerConfig(discount_time_s=1.0, gae_lambda=0.9)
+    assert seconds.at_interval(0.5).gae_lambda == 0.9
 
 
 def test_times_need_a_decision_that_takes_time():

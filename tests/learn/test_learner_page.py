@@ -18,7 +18,7 @@ def test_its_file_makes_the_paper_like_learner(tmp_path):
     block, *_ = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)
     path = tmp_path / "learner.toml"
     path.write_text(block, encoding="utf-8")
-    config = override(preset("step", "paper"), read_overrides(path))
+    config = override(preset("step", "paper", calibrated=False), read_overrides(path))
     assert config.learner == ml_agents_learner()
 
 

@@ -29,19 +29,21 @@ PUBLISHED = {
 """Network 0's second level of root seed 2028, as it was recorded."""
 
 
-def shown(*tests, reward=None):
+def shown(*tests, reward=None, length=1):
     """Return text, warnings and the first table of one network's tests."""
     taught = training(np.zeros(20), tests)
     if reward is not None:
         count = reward.size
         record = TrainingEpisodes(
             budget=count, steps=np.arange(1, count + 1), tasks=np.zeros((count, 1)),
-            success=reward > 0, reward=reward, length=np.ones(count, dtype=np.int64),
+            success=reward > 0, reward=reward, length=np.full(count, length),
         )  # fmt: skip
         taught = dataclasses.replace(taught, record=record)
     results = SimpleNamespace(
         trainings={"curriculum": {0: taught}},
-        folder=SimpleNamespace(config={"advancement": {"window_steps": 5_000}}),
+        folder=SimpleNamespace(
+            config={"advancement": {"window_steps": 5_000}, "learner": {"num_envs": 9}}
+        ),
     )
     blocks = level_tests(results)
     (intro,) = (block.text for block in blocks if isinstance(block, Paragraph))
@@ -75,6 +77,21 @@ def test_a_test_by_episodes_shows_how_many_which_rule_and_its_noise():
     (notice,) = notices
     assert "In 1 of 1 level" in notice.sentences[0]
     assert "held 2 episodes (median)" in notice.sentences[1]  # of 4, 6, 0 and 0
+
+
+def test_a_first_window_that_long_episodes_cannot_end_in_is_warned_of():
+    first = dataclasses.replace(
+        TEST, level=0, first_gain=-2.0, newest_gain=-2.0, decision="extend", measure="episode",
+        first_episodes=4, last_episodes=6, rule="first test",
+    )  # fmt: skip
+    reward = np.tile([0.0, 6.0], 20)
+    fits, too_long = (shown(first, reward=reward, length=steps)[1] for steps in (555, 2_000))
+    assert [notice.title for notice in fits] == ["Level tests decided by chance"]
+    notice = too_long[0]
+    assert "the quickest episodes alone" in notice.title
+    assert "555 steps in each of 9 environments" in notice.sentences[0]
+    assert "zero or less in 1 of 1 network" in notice.sentences[0]
+    assert "18,000 learning steps" in notice.sentences[1].replace("\u202f", ",")
 
 
 def test_a_record_of_the_earlier_rule_is_read_and_told_as_what_it_was():

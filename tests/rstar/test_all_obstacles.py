@@ -10,7 +10,8 @@ import pytest
 from surmount.core.errors import ConfigError, InputError
 from surmount.envs.registry import find_family
 from surmount.rstar.course.config import EnvConfig
-from surmount.rstar.course.mixed import AXES, KINDS, PARAMETERS, MixedVectorEnv, hardness, sizes_mm
+from surmount.rstar.course.kinds import AXES, KINDS, PARAMETERS, hardness, sizes_mm
+from surmount.rstar.course.mixed import MixedVectorEnv
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.family import ObstacleFamily
 from surmount.tasks.cells import TaskCells

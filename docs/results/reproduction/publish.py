@@ -1,10 +1,10 @@
 """Take what a repository should show of a run: ``python publish.py RUN FOLDER [NETWORKS]``.
 
 The page, the same in Markdown, figures with their data, configuration and versions, curriculum,
-analysis and statistics; the outcome of every trial (``outcomes.parquet``); and of the first
-NETWORKS (two, as many as the paper had) what acting needs: ``surmount evaluate
-FOLDER/networks/curriculum-0.safetensors`` works at once. With 0 networks ``report.html``, which
-is large, is left out too.
+analysis and statistics; the outcome of every trial (``outcomes.parquet``) and every episode that
+was learnt from (``episodes.parquet``); and of the first NETWORKS (two, as many as the paper had)
+what acting needs: ``surmount evaluate FOLDER/networks/curriculum-0.safetensors`` works at once.
+With 0 networks ``report.html`` is left out too.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from surmount.workflow.run_layout import (
     ANALYSIS,
     ANALYSIS_FILE,
     CURRICULUM_FILE,
+    EPISODES_FILE,
     NETWORK_FILE,
     RUN,
     STATISTICS,
@@ -30,6 +31,8 @@ from surmount.workflow.run_layout import (
     TRAININGS,
     TRIALS,
     TRIALS_FILE,
+    taught,
+    taught_trials,
 )
 
 
@@ -53,17 +56,36 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
         statistics.path(STATISTICS_FILE),
     ):
         shutil.copy(path, folder)
-    outcomes(run).write_parquet(folder / "outcomes.parquet")
-    for kind in TRAININGS:
+    outcomes(run).write_parquet(folder / "outcomes.parquet", compression_level=19)
+    episodes(run).write_parquet(folder / "episodes.parquet", compression_level=19)
+    for kind in (*TRAININGS, *(taught(teacher) for teacher in teachers(run))):
         for index, artefact in list(run.numbered(kind).items())[:networks]:
             network = acting_only(Snapshot.load(artefact.path(NETWORK_FILE)))
-            network.save(folder / "networks" / f"{kind}-{index}.safetensors")
+            network.save(folder / "networks" / f"{kind.split('/')[-1]}-{index}.safetensors")
+
+
+def teachers(run: RunFolder) -> list[str]:
+    """Return the teachers besides the protocol's own arms that trained in a run."""
+    return sorted({name.split("/")[1] for name in run.stages if name.startswith(taught(""))})
+
+
+def episodes(run: RunFolder) -> pl.DataFrame:
+    """Return one row per episode of every training: steps, task, reward, length, success."""
+    kinds = {kind: kind for kind in TRAININGS} | {name: taught(name) for name in teachers(run)}
+    return pl.concat(
+        pl.read_parquet(artefact.path(EPISODES_FILE)).select(
+            pl.lit(name).alias("learnt"), pl.lit(network).alias("network"), pl.all()
+        )
+        for name, kind in kinds.items()
+        for network, artefact in run.numbered(kind).items()
+    )
 
 
 def outcomes(run: RunFolder) -> pl.DataFrame:
     """Return one row per trial: what had been learnt, on which variant, and what became of it."""
     tables: list[pl.DataFrame] = []
-    for learnt, stage in TRIALS.items():
+    tested = {**TRIALS, **{name: taught_trials(name) for name in teachers(run)}}
+    for learnt, stage in tested.items():
         for artefact in run.numbered(stage).values():
             trials = read_trials(artefact.path(TRIALS_FILE))
             columns = {

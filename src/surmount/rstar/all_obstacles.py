@@ -17,6 +17,7 @@ from surmount.core.arrays import FloatArray
 from surmount.envs.family import TaskFamily
 from surmount.envs.vector_env import TaskVectorEnv
 from surmount.rstar.course.config import EnvConfig
+from surmount.rstar.course.kinds import AXES, KINDS, PARAMETERS, hardness
 from surmount.rstar.course.obstacles import OBSTACLES
 from surmount.rstar.family import CALIBRATED, INITIAL_STEPS
 from surmount.tasks.space import TaskSpace
@@ -35,13 +36,6 @@ class AllObstaclesFamily(TaskFamily):
     def space(self, settings: EnvConfig) -> TaskSpace:
         """Return kind and hardness; which kind is harder nobody knows."""
         del settings
-        from surmount.rstar.course.mixed import (  # noqa: PLC0415 - MuJoCo, as in `family`
-            AXES,
-            KINDS,
-            PARAMETERS,
-            hardness,
-        )
-
         variants = [
             (place, share)
             for place, kind in enumerate(KINDS)

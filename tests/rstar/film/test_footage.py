@@ -12,11 +12,11 @@ from small import run_first_stages, small_config
 
 from surmount.core.errors import ConfigError, InputError, IntegrityError, OutputError
 from surmount.envs.registry import find_family
+from surmount.experiment.presets import preset
 from surmount.experiment.running import begin
 from surmount.learn.rollout_config import RolloutConfig
 from surmount.learn.rollouts import Actor, roll_out
 from surmount.learn.snapshot import Snapshot
-from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.obstacles import find_obstacle
 from surmount.rstar.film.footage import Wanted, motions
 from surmount.rstar.film.logged_trials import logged_motion, run_log
@@ -254,7 +254,7 @@ def test_a_size_between_variants_takes_the_next_harder_manoeuvre():
 def test_a_robot_may_just_stand():
     (motion,) = shown("step", standing=True)
     assert (motion.size_mm, motion.duration_s) == (50.0, pytest.approx(2.0))
-    assert motion.config == EnvConfig()
+    assert motion.config == preset("step", "paper").env
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,11 @@ def level_tests(results: RunResults) -> list[Block]:
         ]
         for network, tests in found.items()
     }
-    before: list[Block] = [intro, *_about_noise(results, found, noise, window_steps)]
+    before: list[Block] = [
+        intro,
+        *_about_short_windows(results, found, window_steps),
+        *_about_noise(results, found, noise, window_steps),
+    ]
     if sum(map(len, rows.values())) <= FEW_TESTS:
         everything = [row for own in rows.values() for row in own]
         words = tuple(_words(network, tests) for network, tests in found.items())
@@ -123,6 +127,46 @@ def _about_noise(
     )
     remedy = _remedy(results, found, window_steps)
     return [Notice(title="Level tests decided by chance", sentences=(unsure, remedy))]
+
+
+def _about_short_windows(
+    results: RunResults, found: Mapping[int, tuple[LevelTest, ...]], window_steps: int
+) -> list[Block]:
+    """Warn where the first window of a training closed before its longer episodes could end."""
+    begun = {network: tests[0] for network, tests in found.items() if tests[0].level == 0}
+    lengths = [
+        int(record.length.max())
+        for network, test in begun.items()
+        if (record := results.trainings["curriculum"][network].record) is not None
+        and record.length.size
+        and test.measure == "episode"
+    ]
+    environments = int(results.folder.config["learner"]["num_envs"])
+    if not lengths or environments * max(lengths) <= window_steps:
+        return []
+    gains = [test.first_gain for test in begun.values() if test.first_gain is not None]
+    fell = sum(gain <= 0 for gain in gains)
+    return [
+        Notice(
+            title="The first window held the quickest episodes alone",
+            sentences=(
+                (
+                    f"All episodes begin anew with the first level. Its first window of "
+                    f"{integer(window_steps)} learning steps is "
+                    f"{integer(window_steps // environments)} steps in each of "
+                    f"{counted(environments, 'environment')}, and episodes took up to "
+                    f"{integer(max(lengths))}: those that fail late had not ended. So rF is of "
+                    f"what succeeds soon, and the first gain too small: it is zero or less in "
+                    f"{fell} of {counted(len(gains), 'network')}."
+                ),
+                (
+                    "A window of at least "
+                    f"{integer(environments * max(lengths))} learning steps "
+                    "(`advancement.window_steps`, W) holds all kinds of episodes."
+                ),
+            ),
+        )
+    ]
 
 
 def _remedy(

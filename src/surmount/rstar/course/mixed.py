@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -12,38 +11,17 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
-from surmount.core.axis import CONTINUOUS, Axis
+from surmount.core.axis import Axis
 from surmount.core.errors import InputError
 from surmount.core.seeds import derive_seed
 from surmount.rstar.course.batch import ObstacleVectorEnv
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.infos import Infos, final_infos, with_masks
+from surmount.rstar.course.kinds import AXES, KINDS, PARAMETERS, sizes_mm
 from surmount.rstar.course.measures import FEATURE_NAMES
 from surmount.rstar.course.observations import Observations
-from surmount.rstar.course.obstacles import OBSTACLES, Obstacle
 from surmount.rstar.course.streams import Streams
 from surmount.tasks.distribution import TaskDistribution
-
-PARAMETERS = ("obstacle", "hardness")
-"""The kind of obstacle, and how hard its size is: 0 the easiest of its kind, 1 the hardest."""
-KINDS: tuple[Obstacle, ...] = tuple(
-    # One layout for all: pitch, which the paper's robot observes at the step only, everywhere.
-    replace(obstacle, observes_pitch=True)
-    for obstacle in OBSTACLES.values()
-)
-AXES = (Axis(kind="categorical", names=tuple(kind.name for kind in KINDS)), CONTINUOUS)
-
-
-def sizes_mm(kind: Obstacle, hardness: FloatArray) -> FloatArray:
-    """Return the sizes of one kind of obstacle, of any shape; the inverse of :func:`hardness`."""
-    easiest = kind.lower + kind.upper - kind.hardest
-    return easiest + hardness * (kind.hardest - easiest)
-
-
-def hardness(kind: Obstacle, sizes: FloatArray) -> FloatArray:
-    """Return where sizes in mm lie between the easiest, 0, and the hardest, 1, of any shape."""
-    easiest = kind.lower + kind.upper - kind.hardest
-    return (sizes - easiest) / (kind.hardest - easiest) + 0.0  # never -0
 
 
 class MixedVectorEnv:
