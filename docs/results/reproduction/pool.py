@@ -17,10 +17,17 @@ import polars as pl
 from surmount.core.printing import say
 from surmount.stats.detectable import detectable_difference
 from surmount.stats.differences import network_difference
+from surmount.studies.paper.results import PAPER_RESULTS
 
-RANGES = {"all": (0, 999), "21-33": (21, 33), "34-46": (34, 46), "47-50": (47, 50)}
-"""Heights in mm: all of them, and the paper's recovered groups."""
-QUARTER = {"hardest quarter": (43, 50)}
+RANGES = {
+    "all": (0.0, np.inf),
+    **{
+        "{:g}-{:g}".format(*group.range_mm): group.range_mm
+        for group in PAPER_RESULTS["step"].groups
+    },
+    "hardest quarter": (43.0, 50.0),
+}
+"""Heights in mm: all of them, the paper's recovered groups, and the hardest."""
 PAIRS = (("curriculum", "control"), ("given-groups", "control"), ("given-groups", "curriculum"))
 
 
@@ -37,7 +44,7 @@ def scores(paths: list[Path]) -> pl.DataFrame:
                 (100 * pl.col("success").filter(pl.col(size).is_between(low, high)).mean()).alias(
                     name
                 )
-                for name, (low, high) in {**RANGES, **QUARTER}.items()
+                for name, (low, high) in RANGES.items()
             )
             .with_columns(pl.lit(path.parent.name).alias("run"))
         )
@@ -46,7 +53,7 @@ def scores(paths: list[Path]) -> pl.DataFrame:
 
 def lines(table: pl.DataFrame) -> Iterator[str]:
     """Write the tables."""
-    names = [*RANGES, *QUARTER]
+    names = [*RANGES]
     yield "| run, network | " + " | ".join(f"{name} mm" for name in names) + " |"
     yield "|---" * (1 + len(names)) + "|"
     arms = [arm for arm in ("initiation", "control", "curriculum", "given-groups")

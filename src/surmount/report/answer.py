@@ -70,7 +70,7 @@ def answer(results: RunResults) -> Answer:
                       sentences=(sentence, _stability(analysis), *decided))  # fmt: skip
     mean = comparison.mean_difference
     found = _verdict(mean)
-    effect, ahead = _effect(mean), _ahead(_by_network(results))
+    effect, ahead = _effect(mean), _ahead(network_differences(results))
     sentence = f"{OPENING[found]}: mean success differs by {effect}"
     sentence += f" (with it minus without; paired t-test over networks); {ahead}."
     if mean.lower is None and mean.reason:
@@ -99,12 +99,6 @@ def _effect(mean: NetworkDifference) -> str:
     return f"{estimate}, 95{SPACE}% interval {limits}"
 
 
-def _by_network(results: RunResults) -> FloatArray:
-    """Return each network's mean success with the curriculum minus without, ``(network,)``."""
-    first, second = (results.tests[arm].scores().mean(axis=1) for arm in ARMS)
-    return first - second
-
-
 def _ahead(differences: FloatArray) -> str:
     ahead, behind = int((differences > 0).sum()), int((differences < 0).sum())
     words = f"{ahead} of {counted(differences.size, 'network')} "
@@ -112,14 +106,24 @@ def _ahead(differences: FloatArray) -> str:
     return words if ahead + behind == differences.size else f"{words}, {behind} behind"
 
 
-def networks_in_group(results: RunResults, group: int) -> FloatArray:
-    """Return the same over the variants of one group, ``(network,)``."""
+def network_differences(results: RunResults, group: int | None = None) -> FloatArray:
+    """Return each network's success with the curriculum minus without, ``(network,)``.
+
+    Parameters
+    ----------
+    results
+        Of a run with an analysis, whose tests are finished.
+    group
+        Of the variants of this group alone; of all if None.
+    """
     assert results.analysis is not None  # noqa: S101 - asked where there are groups
     curriculum = results.analysis.curriculum
     arms: list[FloatArray] = []
     for arm in ARMS:
         outcomes = results.tests[arm]
-        own = curriculum.groups_of(outcomes.variant) == group
+        own = np.ones(outcomes.success.size, dtype=np.bool_)
+        if group is not None:
+            own = curriculum.groups_of(outcomes.variant) == group
         arms.append(
             np.array(
                 [

@@ -25,6 +25,7 @@ from surmount.workflow.run_folder import RunFolder, open_run
 from surmount.workflow.run_layout import (
     ANALYSIS,
     ANALYSIS_FILE,
+    ARMS,
     CURRICULUM_FILE,
     EPISODES_FILE,
     EVIDENCE,
@@ -61,7 +62,7 @@ class TrainingResult:
     skipped_updates, undone_rollouts
         Updates left out and roll-outs undone because numbers were not finite or exploded.
     record
-        All its episodes; ``None`` where they were not recorded, or nothing was analysed.
+        All its episodes; ``None`` where they were not recorded, and of the initiation.
     """
 
     steps: IntArray
@@ -140,7 +141,7 @@ def read_run(root: Path) -> RunResults:
         comparison=comparison,
         trainings={
             kind: {
-                network: _training(artefact, analysis)
+                network: _training(artefact, analysis if kind in ARMS else None)
                 for network, artefact in folder.numbered(kind).items()
             }
             for kind in TRAININGS

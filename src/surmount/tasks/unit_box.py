@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.axis import Axes
+from surmount.core.axis import Axes, Axis
 from surmount.core.errors import ConfigError
 from surmount.tasks.distribution import TaskDistribution
 
@@ -61,32 +63,25 @@ class UnitBox:
 
     def places(self, tasks: FloatArray) -> FloatArray:
         """Return the coordinates of tasks, shapes ``(task, parameter)``."""
-        return np.stack(
-            [
-                axis.place(column, low, high)
-                for axis, column, low, high in zip(
-                    self._axes, tasks.T, self._lower, self._upper, strict=True
-                )
-            ],
-            axis=1,
-        )
+        return self._moved(Axis.place, tasks)
 
     def tasks(self, places: FloatArray) -> FloatArray:
         """Return the tasks at coordinates, shapes ``(task, parameter)``."""
-        return np.stack(
-            [
-                axis.at(column, low, high)
-                for axis, column, low, high in zip(
-                    self._axes, places.T, self._lower, self._upper, strict=True
-                )
-            ],
-            axis=1,
-        )
+        return self._moved(Axis.at, places)
 
     def sides(self, distribution: TaskDistribution) -> tuple[FloatArray, FloatArray]:
         """Return the bounds of a distribution's boxes, each of shape ``(box, parameter)``."""
         lower, upper = box_sides(self._axes, distribution.lower, distribution.upper)
         return (lower - self._low) / self.extent, (upper - self._low) / self.extent
+
+    def _moved(
+        self,
+        move: Callable[[Axis, FloatArray, FloatArray, FloatArray], FloatArray],
+        rows: FloatArray,
+    ) -> FloatArray:
+        """Return rows with each column moved along its axis."""
+        ends = zip(self._axes, rows.T, self._lower, self._upper, strict=True)
+        return np.stack([move(axis, column, low, high) for axis, column, low, high in ends], axis=1)
 
 
 def box_sides(axes: Axes, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -152,6 +152,8 @@ class Entry:
     ordered
         Whether it orders tasks by their parameters, so that somebody must say of categories which
         is harder.
+    require
+        Refuses settings that do not fit the tasks; everything fits where it is ``None``.
     needs_value_errors
         Whether only learners with a critic that estimates advantages can have it.
     by_trials
@@ -166,6 +168,7 @@ class Entry:
     by_trials: bool = False
     method: str = ""
     ordered: bool = False
+    require: Callable[[TeachersConfig, TaskSpace], None] | None = None
 
 
 def require_space(name: str, space: TaskSpace, teachers: TeachersConfig) -> None:
@@ -178,8 +181,8 @@ def require_space(name: str, space: TaskSpace, teachers: TeachersConfig) -> None
         fit the tasks.
     """
     entry = find_teacher(name)
-    if name == GIVEN_GROUPS:
-        require_boundaries(teachers.given_groups, space)
+    if entry.require is not None:
+        entry.require(teachers, space)
     if entry.method:
         require_distances(space.axes, space.parameters, entry.method)
     if entry.ordered and space.harder is None:
@@ -208,10 +211,8 @@ def make_teacher(name: str, context: TeacherContext) -> Teacher:
     return find_teacher(name).make(context)
 
 
-GIVEN_GROUPS = "given-groups"
-
 SETTINGS = {
-    GIVEN_GROUPS: "given_groups",
+    "given-groups": "given_groups",
     "alp-gmm": "alp_gmm",
     "plr": "plr",
     "learning-progress": "learning_progress",
@@ -367,11 +368,12 @@ TEACHERS = {
         make=_parameter_distance,
         by_trials=True,
     ),
-    GIVEN_GROUPS: Entry(
+    "given-groups": Entry(
         title="groups that are given",
         source=f"levels and test of {_PAPER} over groups of somebody else's",
         make=_given_groups,
         by_trials=True,
+        require=lambda teachers, space: require_boundaries(teachers.given_groups, space),
     ),
     "stepwise": Entry(
         title="one group at a time",
