@@ -2,36 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.records import write_record
 from surmount.envs.own_family import OwnFamily
 from surmount.envs.video import Frame, write_mp4, write_png
-from surmount.experiment.config import ExperimentConfig, config_from_record
+from surmount.experiment.config import config_from_record
 from surmount.experiment.own_films import FilmedEpisode, can_draw, film_network
-from surmount.report.film_choice import TITLE, arms_apart
-from surmount.report.films import file_of_film, kept_films
+from surmount.report.film_choice import arms_apart, shown_variants
+from surmount.report.films import NETWORK, Wanted, draw_wanted, on_variant
 from surmount.trials.table import read_trials
 from surmount.trials.trials import Trials
 from surmount.workflow.run_folder import RunFolder
 from surmount.workflow.run_layout import (
-    ARMS,
-    FILM_FOLDER,
-    FILMS,
     INITIATION,
     NETWORK_FILE,
-    SCHEMA,
     TRIALS,
     TRIALS_FILE,
     per_network,
 )
 
-NETWORK = 0
 MOST_FRAMES = 240
 MOST_PX = 320
 """Frames of a film, and their width and height, at the most: some 100 kB a film."""
@@ -44,18 +37,6 @@ RULE = (
     "always one episode of the first network, drawn from its policy with the seed of the run, "
     "whatever happens in it; it is none of the trials"
 )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Shown:
-    """A variant to film, ``(parameter,)``: its title, how it was chosen, and of which kinds."""
-
-    variant: FloatArray
-    told: str
-    title: str
-    choice: str
-    kinds: tuple[str, ...]
-    suffix: str
 
 
 def draw_own_films(run: RunFolder, family: OwnFamily, say: Callable[[str], None]) -> None:
@@ -85,99 +66,44 @@ def draw_own_films(run: RunFolder, family: OwnFamily, say: Callable[[str], None]
     initial = _initial_trials(run, config.networks)
     if not initial or not can_draw(family, config.env):
         return
-    earlier = kept_films(run)
-    drawn: list[dict[str, Any]] = []
-    for shown in _shown(run, family, config, initial):
-        for kind in shown.kinds:
-            stage = per_network(TRIALS[kind], NETWORK)
-            if stage not in run.stages:
-                continue
-            kept = earlier.get((run.stages[stage].key, shown.title))
-            film = kept or _draw(run, family, config, kind, shown, say)
-            drawn.append({**film, "choice": shown.choice})
-    write_record(run.root / FILMS, {"schema": SCHEMA, "films": drawn})
-
-
-def _shown(
-    run: RunFolder, family: OwnFamily, config: ExperimentConfig, initial: Sequence[Trials]
-) -> Iterator[_Shown]:
     variants = np.unique(initial[0].variant, axis=0)
     rates = _rates(initial, variants)
     worst = variants[np.flatnonzero(rates == rates.min())[-1]]
     apart = arms_apart(run, config.networks, lambda tested: -_rates(initial, tested))
-    is_worst = apart is not None and apart.is_on(worst)
     space = family.space(config.env)
 
     def told(variant: FloatArray) -> str:
         return ", ".join(f"{name} {_told(value)}" for name, value in space.named(variant).items())
 
-    yield _Shown(
-        variant=worst,
-        told=told(worst),
-        title=f"The variant that the initial networks did worst on, {told(worst)}",
-        choice="On it the arms differ most, too." if is_worst else "",
-        kinds=tuple(TRIALS),
-        suffix="",
-    )
-    if apart is not None and not is_worst:
-        yield _Shown(
-            variant=apart.variant,
-            told=told(apart.variant),
-            title=f"{TITLE}, {told(apart.variant)}",
-            choice=apart.rule,
-            kinds=ARMS,
-            suffix="-apart",
+    title = f"The variant that the initial networks did worst on, {told(worst)}"
+
+    def draw(wanted: Wanted) -> dict[str, Any]:
+        variant = wanted.shown.variant
+        (episode,) = film_network(
+            run.stages[per_network(wanted.kind, NETWORK)].path(NETWORK_FILE),
+            family,
+            variants=[variant],
+            seed=config.seed,
+            deterministic=config.tests.deterministic,
+            settings=config.env,
+            most_frames=MOST_FRAMES,
+            most_px=MOST_PX,
         )
+        duration_s = episode.steps * episode.step_s
+        fps = _fps(len(episode.frames), duration_s)
+        write_mp4(wanted.film, episode.frames, fps)
+        write_png(wanted.sheet, _sheet(episode))
+        outcome = "succeeded" if episode.is_success else "failed"
+        say(f"{wanted.film}: {told(variant)}: {outcome}")
+        return {
+            "rule": RULE,
+            "caption": f"{told(variant)}, {episode.steps} steps",
+            "outcome": f"{outcome} after {duration_s:.3g} s",
+            "speed": duration_s * fps / max(1, len(episode.frames) - 1),
+            "duration_s": duration_s,
+        }
 
-
-def _draw(
-    run: RunFolder,
-    family: OwnFamily,
-    config: ExperimentConfig,
-    kind: str,
-    shown: _Shown,
-    say: Callable[[str], None],
-) -> dict[str, Any]:
-    """Draw one film and its sheet, and return its record."""
-    stage = per_network(TRIALS[kind], NETWORK)
-    network = run.stages[per_network(kind, NETWORK)].path(NETWORK_FILE)
-    (episode,) = film_network(
-        network,
-        family,
-        variants=[shown.variant],
-        seed=config.seed,
-        deterministic=config.tests.deterministic,
-        settings=config.env,
-        most_frames=MOST_FRAMES,
-        most_px=MOST_PX,
-    )
-    film, sheet = (
-        run.root / FILM_FOLDER / f"{kind}{shown.suffix}{ending}" for ending in (".mp4", ".png")
-    )
-    duration_s = episode.steps * episode.step_s
-    fps = _fps(len(episode.frames), duration_s)
-    write_mp4(film, episode.frames, fps)
-    write_png(sheet, _sheet(episode))
-    outcome = "succeeded" if episode.is_success else "failed"
-    say(f"{film}: {shown.told}: {outcome}")
-    trials = read_trials(run.stages[stage].path(TRIALS_FILE))
-    alike = _on(trials, shown.variant)
-    return {
-        "kind": kind,
-        "stage": stage,
-        "key": run.stages[stage].key,
-        "variant": shown.title,
-        "rule": RULE,
-        "caption": f"{shown.told}, {episode.steps} steps",
-        "outcome": f"{outcome} after {duration_s:.3g} s",
-        "network": NETWORK,
-        "successes": int(trials.success[alike].sum()),
-        "trials": int(alike.sum()),
-        "speed": duration_s * fps / max(1, len(episode.frames) - 1),
-        "film": file_of_film(film),
-        "sheet": file_of_film(sheet),
-        "duration_s": duration_s,
-    }
+    draw_wanted(run, shown_variants(worst, title, apart, told), draw)
 
 
 def _initial_trials(run: RunFolder, networks: int) -> list[Trials]:
@@ -192,15 +118,10 @@ def _rates(tables: Sequence[Trials], variants: FloatArray) -> FloatArray:
     """Return the success on each variant over all tables, shape ``(variant,)``."""
     return np.array(
         [
-            np.concatenate([table.success[_on(table, variant)] for table in tables]).mean()
+            np.concatenate([table.success[on_variant(table, variant)] for table in tables]).mean()
             for variant in variants
         ]
     )
-
-
-def _on(trials: Trials, variant: FloatArray) -> Any:
-    """Return which trials were made on a variant, ``(trial,)``."""
-    return np.isclose(trials.variant, variant).all(axis=1)
 
 
 def _fps(frames: int, duration_s: float) -> int:

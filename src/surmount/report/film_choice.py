@@ -48,6 +48,54 @@ class ArmsApart:
         return bool(np.allclose(self.variant, variant))
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shown:
+    """A variant to film, ``(parameter,)``.
+
+    Attributes
+    ----------
+    variant
+        Which one.
+    title, choice
+        What it is called, and why it is shown; the latter empty where the title says so.
+    kinds
+        Of which networks, by what they had learnt.
+    is_second
+        Whether it is the one beside that which is shown of all networks.
+    """
+
+    variant: FloatArray
+    title: str
+    choice: str
+    kinds: tuple[str, ...]
+    is_second: bool
+
+
+def shown_variants(
+    first: FloatArray, title: str, apart: ArmsApart | None, told: Callable[[FloatArray], str]
+) -> list[Shown]:
+    """Return one variant of all networks, and of both arms where they differ most, if elsewhere.
+
+    Parameters
+    ----------
+    first, title
+        The variant that is shown of all, ``(parameter,)``, and what it is called.
+    apart
+        Where the arms differ most, if that is known.
+    told
+        Says a variant, ``(parameter,)``, in words.
+    """
+    is_first = apart is not None and apart.is_on(first)
+    choice = "On it the arms differ most, too." if is_first else ""
+    shown = [Shown(variant=first, title=title, choice=choice, kinds=(*TRIALS,), is_second=False)]
+    if apart is not None and not is_first:
+        title = f"{TITLE}, {told(apart.variant)}"
+        shown.append(
+            Shown(variant=apart.variant, title=title, choice=apart.rule, kinds=ARMS, is_second=True)
+        )
+    return shown
+
+
 def arms_apart(
     run: RunFolder, networks: int, difficulty: Callable[[FloatArray], FloatArray]
 ) -> ArmsApart | None:
