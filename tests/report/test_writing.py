@@ -27,6 +27,7 @@ from surmount.report.contents import document_of
 from surmount.report.document import vega
 from surmount.report.document.markdown import markdown
 from surmount.report.document.page import page
+from surmount.report.document.parts import Document, Notice
 from surmount.report.document.text import short
 from surmount.report.figures.stills import StillFiles, draw
 from surmount.report.pages import write_analysis_report, write_report
@@ -455,3 +456,14 @@ def _copy(source, target):
     root = target / "run"
     shutil.copytree(source, root, ignore=shutil.ignore_patterns("figures", "report.*"))
     return root
+
+
+def test_names_of_settings_are_code_and_nothing_else_is():
+    notice = Notice(title="t", sentences=("Raise `a.b`, not `<i>` or `|`.",))
+    document = Document(
+        title="t", subtitle="s", notices=(notice,), summary=(), facts=(), sections=()
+    )
+    html = page(document, {})
+    assert "Raise <code>a.b</code>, not `&lt;i&gt;` or `|`." in html
+    written = markdown(document, page="p.html", figures="f")
+    assert "Raise `a.b`, not \\`\\<i\\>\\` or \\`\\|\\`." in written

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from html import escape
 
-from surmount.report.document.parts import Block, Document, Figure, Notice, Table
+from surmount.report.document.parts import CODE, Block, Document, Figure, Notice, Table
 
 _MARKUP = re.compile(r"(^[#+=-]|[\\`*_\[\]<>&|~$])")
 
@@ -89,5 +89,8 @@ def _grid(headings: Iterable[str], numeric: Iterable[bool], rows: Iterable[tuple
 
 
 def _text(text: str) -> str:
-    """Return text on one line in which nothing is taken for markup."""
-    return _MARKUP.sub(r"\\\1", " ".join(text.split()))
+    """Return text on one line in which nothing but names in backticks is taken for markup."""
+    parts = CODE.split(" ".join(text.split()))
+    parts[::2] = (_MARKUP.sub(r"\\\1", part) for part in parts[::2])
+    parts[1::2] = (f"`{name}`" for name in parts[1::2])
+    return "".join(parts)

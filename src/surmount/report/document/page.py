@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from importlib import resources
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
-from surmount.report.document.parts import Document
+from surmount.report.document.parts import CODE, Document
 from surmount.report.document.vega import packed
 from surmount.report.figures.palette import DARK
 from surmount.report.figures.stills import StillFiles, csv_text
@@ -39,6 +39,7 @@ def page(document: Document, stills: Mapping[str, StillFiles]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["code"] = _code
     template = environment.get_template("page.html.j2")
     return template.render(
         document=document,
@@ -61,6 +62,11 @@ def _packed_charts(document: Document, stills: Mapping[str, StillFiles]) -> str:
     }
     content = gzip.compress(json.dumps(charts).encode(), compresslevel=9, mtime=0)
     return base64.b64encode(content).decode()
+
+
+def _code(text: str) -> Markup:
+    """Return text with names in backticks as code."""
+    return Markup(CODE.sub(r"<code>\1</code>", str(escape(text))))  # noqa: S704 - escaped
 
 
 def _picture(svg: str) -> Markup:

@@ -6,6 +6,7 @@ way, so no text from a file is ever taken for markup.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -15,6 +16,9 @@ import altair as alt
 Chart: TypeAlias = "alt.Chart | alt.LayerChart | alt.ConcatChart"
 Columns = Mapping[str, Sequence[object]]
 """A table of data by column, all of the same length."""
+
+CODE = re.compile(r"`(\w(?:[\w.= -]*\w)?)`")
+"""The one markup in texts: a name in backticks, of characters that mean nothing elsewhere."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

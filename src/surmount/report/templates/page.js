@@ -133,22 +133,21 @@
 
   // Where the reader is, in the contents that stay in reach.
   const links = new Map();
+  const contents = document.querySelector("nav ol");
   for (const link of document.querySelectorAll("nav a")) links.set(link.hash.slice(1), link);
   const here = new IntersectionObserver(
     (entries) => {
       for (const { isIntersecting, target } of entries) {
         if (!isIntersecting) continue;
         for (const link of links.values()) link.removeAttribute("aria-current");
-        const link = links.get(target.id);
-        link.setAttribute("aria-current", "true");
-        link.parentElement.parentElement.scrollTo({ left: link.offsetLeft - 40 });
+        const link = links.get(target.id); // none for the summary, which stands above the contents
+        link?.setAttribute("aria-current", "true");
+        contents.scrollTo({ left: link ? link.offsetLeft - 40 : 0 });
       }
     },
     { rootMargin: "-20% 0px -75% 0px" },
   );
-  for (const section of document.querySelectorAll("main > section")) {
-    if (links.has(section.id)) here.observe(section);
-  }
+  for (const section of document.querySelectorAll("main > section")) here.observe(section);
 
   addEventListener("beforeprint", () => {
     for (const fold of document.querySelectorAll("details:not([open]):not(.unprinted)")) {
