@@ -9,7 +9,7 @@ import pytest
 from run_builder import RunBuilder
 
 from surmount.cli.main import run
-from surmount.report.answer import OPENING, answer
+from surmount.report.answer import OPENING, answer, time_differences
 from surmount.report.results import read_run
 from surmount.report.sections.summary import summary
 from surmount.report.verdicts import group_sentence
@@ -66,10 +66,24 @@ def test_what_it_rests_on_is_said_with_it(results):
 
 def test_no_p_value_is_told_where_networks_disagree(results):
     entry = results.comparison.groups[-1]
-    assert "p < 0.001" in group_sentence(entry, np.array([0.9, 0.7])).replace("\xa0", " ")
-    apart = group_sentence(entry, np.array([0.9, -0.1]))
+    alike, times = np.array([0.9, 0.7]), np.array([-1.0, -2.0])
+    assert "p < 0.001" in group_sentence(entry, alike, times).replace("\xa0", " ")
+    sentence = group_sentence(entry, alike, np.array([-1.0, 2.0]))
+    assert "completion time: networks disagree, 1 of 2 sooner and 1 later with it." in sentence
+    apart = group_sentence(entry, np.array([0.9, -0.1]), times)
     assert "networks disagree, 1 of 2 ahead and 1 behind" in apart
     assert "p" not in apart.split(": ", 1)[1].replace("points", "").split()
+
+
+def test_differences_of_time_count_a_failed_trial_as_the_longest(results):
+    first, second = (results.tests[arm] for arm in ARMS)
+    longest = max(first.end_s.max(), second.end_s.max())
+    own = results.analysis.curriculum.groups_of(first.variant) == 0
+    means = [
+        [np.mean(np.where(t.success, t.end_s, longest)[own & (t.network == n)]) for n in (0, 1)]
+        for t in (first, second)
+    ]
+    assert np.allclose(time_differences(results, 0), np.subtract(*means))
 
 
 def test_a_run_that_is_not_finished_leaves_the_question_open(tmp_path):

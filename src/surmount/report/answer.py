@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from surmount.analysis.result import Analysis
 from surmount.analysis.trust import is_stable
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import BoolArray, FloatArray
 from surmount.report.document.text import SPACE, counted, percent, percent_interval, signed
 from surmount.report.results import RunResults
 from surmount.stats.differences import NetworkDifference
@@ -116,6 +117,24 @@ def network_differences(results: RunResults, group: int | None = None) -> FloatA
     group
         Of the variants of this group alone; of all if None.
     """
+    return _differences(results, group, {arm: results.tests[arm].success for arm in ARMS})
+
+
+def time_differences(results: RunResults, group: int) -> FloatArray:
+    """Return each network's mean completion time with the curriculum minus without, ``(network,)``.
+
+    In s, over all trials of a group; a failed one counts as the longest of all trials.
+    """
+    tests = {arm: results.tests[arm] for arm in ARMS}
+    longest = max(float(test.end_s.max()) for test in tests.values())
+    times = {arm: np.where(test.success, test.end_s, longest) for arm, test in tests.items()}
+    return _differences(results, group, times)
+
+
+def _differences(
+    results: RunResults, group: int | None, values: Mapping[str, BoolArray | FloatArray]
+) -> FloatArray:
+    """Return the difference of both arms' means of values, one for each trial, by network."""
     assert results.analysis is not None  # noqa: S101 - asked where there are groups
     curriculum = results.analysis.curriculum
     arms: list[FloatArray] = []
@@ -127,7 +146,7 @@ def network_differences(results: RunResults, group: int | None = None) -> FloatA
         arms.append(
             np.array(
                 [
-                    outcomes.success[own & (outcomes.network == network)].mean()
+                    values[arm][own & (outcomes.network == network)].mean()
                     for network in np.unique(outcomes.network)
                 ]
             )

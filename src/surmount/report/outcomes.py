@@ -29,6 +29,8 @@ class Outcomes:
         Shape ``(trial, parameter)``.
     network, repetition, success
         Shape ``(trial,)`` each.
+    end_s
+        Time in s at which each trial ended, ``(trial,)``.
     path_lengths
         Σ|Δ| of each feature of :data:`PATHS` that was logged, ``(trial,)``.
     """
@@ -38,6 +40,7 @@ class Outcomes:
     network: IntArray
     repetition: IntArray
     success: BoolArray
+    end_s: FloatArray
     path_lengths: Mapping[str, FloatArray]
 
     def scores(self) -> FloatArray:
@@ -55,6 +58,7 @@ def read_outcomes(artefacts: Iterable[Artefact]) -> Outcomes:
         network=np.concatenate([part.network for part in parts]),
         repetition=np.concatenate([part.repetition for part in parts]),
         success=np.concatenate([part.success for part in parts]),
+        end_s=np.concatenate([part.end_s for part in parts]),
         path_lengths={
             name: np.concatenate([part.path_lengths[name] for part in parts]) for name in paths
         },
@@ -68,6 +72,7 @@ def _outcomes(trials: Trials) -> Outcomes:
         network=trials.network,
         repetition=trials.repetition,
         success=trials.success,
+        end_s=trials.final("time_s"),
         path_lengths={
             name: trials.path_length(name) for name in PATHS if name in trials.feature_names
         },

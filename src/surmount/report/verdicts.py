@@ -81,7 +81,7 @@ def because(verdict: str, p: float | None, reason: str | None) -> str:
     return f"{verdict} ({words[:1].lower()}{words[1:]})" if words else verdict
 
 
-def group_sentence(entry: GroupComparison, differences: FloatArray) -> str:
+def group_sentence(entry: GroupComparison, differences: FloatArray, times: FloatArray) -> str:
     """Say in one sentence what is found in one group.
 
     Tests over trials take trials of one network for independent. They are told where all networks
@@ -93,6 +93,8 @@ def group_sentence(entry: GroupComparison, differences: FloatArray) -> str:
         The group.
     differences
         Success of each network with the curriculum minus without, shape ``(network,)``.
+    times
+        The same of its mean completion time in s.
     """
     success, time = entry.proportion_test, entry.log_rank
     head = f"Group “{entry.group}”, curriculum against control: "
@@ -102,7 +104,12 @@ def group_sentence(entry: GroupComparison, differences: FloatArray) -> str:
             f"{head}networks disagree, {ahead} of {differences.size} ahead and {behind} behind; "
             f"their mean difference is {signed(round(100 * float(differences.mean()), 1))} points."
         )
+    sooner, later = int((times < 0).sum()), int((times > 0).sum())
+    if sooner and later:
+        by_time = f"networks disagree, {sooner} of {times.size} sooner and {later} later with it"
+    else:
+        by_time = because(time_verdict(time), time.p_value, time.reason)
     return (
         f"{head}success: {because(success_verdict(success), success.p_value, success.reason)}; "
-        f"completion time: {because(time_verdict(time), time.p_value, time.reason)}."
+        f"completion time: {by_time}."
     )

@@ -33,6 +33,7 @@ def outcomes(rate, spread=0.0):
         network=network,
         repetition=np.tile(np.arange(REPETITIONS), len(tables)),
         success=np.concatenate([w for _, _, w in tables]),
+        end_s=np.ones(network.size),
         path_lengths={},
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from surmount.analysis.cut import may_divide
 from surmount.analysis.result import Analysis
-from surmount.report.answer import answer, network_differences
+from surmount.report.answer import answer, network_differences, time_differences
 from surmount.report.document.parts import Notice
 from surmount.report.document.text import (
     counted,
@@ -101,7 +101,7 @@ def summary(results: RunResults) -> list[str]:
     if comparison is None:
         return [*sentences, "The comparison of both arms is still to come."]
     return sentences + [
-        group_sentence(entry, network_differences(results, index))
+        group_sentence(entry, network_differences(results, index), time_differences(results, index))
         for index, entry in enumerate(comparison.groups)
     ]
 
