@@ -41,7 +41,7 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     """Lead from a text to the page that was drawn with it."""
     here = page.file.src_uri
     if here.startswith("results/"):
-        page.meta.setdefault("search", {"boost": 0.5})  # found after what explains
+        page.meta.setdefault("search", {"boost": 0.2})  # found after what explains
     if here not in DRAWN:
         return markdown
     title, below, rest = markdown.partition("\n")

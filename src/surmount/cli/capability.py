@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -44,6 +45,7 @@ def capability(
         set: Option to change, as key=value; may be repeated; overrides the file.
         processes: Worker processes of one thread each.
     """
+    say(f"Searching the {obstacle}; the first size takes a while", file=sys.stderr)
     from surmount.core.configuration import override
     from surmount.studies.capability import CapabilityConfig, map_capability
     from surmount.studies.capability_figure import write_capability_figure

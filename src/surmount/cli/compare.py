@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from surmount.cli.configuration_flags import RunOptions, run_configured
+from surmount.cli.configuration_flags import RunOptions, opened_console, run_configured
 from surmount.cli.main import INTERRUPTED
 from surmount.core.configuration import differences, to_record
 from surmount.core.errors import ConfigError
@@ -50,16 +50,16 @@ def compare(arguments: Sequence[str]) -> int:
 
 
 def _run(options: Options, chosen: ExperimentConfig, beside: Mapping[str, Any]) -> int:
+    teaching: TeachersConfig = beside[TEACHING]
+    _require_used(teaching, options.teachers)
+    console = opened_console(options.out)
+    # After the first line: what learns takes seconds to import.
     from surmount.core.records import read_record
     from surmount.experiment.experiment import Experiment
     from surmount.report.pages import write_report
     from surmount.report.teachers_page import write_teachers_report
     from surmount.tasks.curriculum import ONE_GROUP
-    from surmount.workflow.console import SafeConsole
 
-    teaching: TeachersConfig = beside[TEACHING]
-    _require_used(teaching, options.teachers)
-    console = SafeConsole()
     experiment = Experiment(chosen, options.out)
     outcome = experiment.compare(
         options.teachers,

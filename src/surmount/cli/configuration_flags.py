@@ -30,6 +30,7 @@ from surmount.core.records import parse_json
 from surmount.envs.registry import find_family
 from surmount.experiment.config import ExperimentConfig
 from surmount.experiment.presets import DISPLACING, configured, preset
+from surmount.workflow.console import SafeConsole
 
 NOT_FLAGS = ("task", "preset", "fingerprint")
 """Keys that the options or the run itself say."""
@@ -67,6 +68,19 @@ class RunOptions(ConfigurationOptions):
 
 
 Options = TypeVar("Options", bound=ConfigurationOptions)
+
+
+def opened_console(out: Path) -> SafeConsole:
+    """Say where a run goes and how to look at it meanwhile; return what goes on saying."""
+    console = SafeConsole()
+    console.print(
+        f"Into {out}. Look at it meanwhile: surmount report --follow {out}, or "
+        f"tensorboard --logdir {out / 'logs'}",
+        soft_wrap=True,
+        markup=False,
+        highlight=False,
+    )
+    return console
 
 
 def run_configured(

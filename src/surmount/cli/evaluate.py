@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, environment_overrides
+from surmount.cli.part_progress import PartMonitor, PartProgress
 from surmount.core.printing import say
 
 
@@ -37,6 +38,8 @@ def evaluate(
         config: TOML or JSON file of configuration keys to change; see `surmount config`.
         set: Configuration key to change, as key=value; may be repeated; overrides the file.
     """
+    telling = PartProgress()
+    telling(f"loading {network}")  # before what takes seconds to import
     import torch
 
     from surmount.cli.success_table import success_table
@@ -44,19 +47,19 @@ def evaluate(
     from surmount.learn.rollout_config import RolloutConfig
     from surmount.trials.table import write_trials
     from surmount.workflow.console import SafeConsole
-    from surmount.workflow.monitor import SilentMonitor
     from surmount.workflow.store import output_errors
 
     torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
-    evaluation = evaluate_network(
-        network,
-        RolloutConfig(repetitions=repetitions, deterministic=deterministic),
-        task=task,
-        variants=variant,
-        changes=environment_overrides(config, set, whole_file=True),
-        seed=seed,
-        monitor=SilentMonitor(),
-    )
+    with telling:
+        evaluation = evaluate_network(
+            network,
+            RolloutConfig(repetitions=repetitions, deterministic=deterministic),
+            task=task,
+            variants=variant,
+            changes=environment_overrides(config, set, whole_file=True),
+            seed=seed,
+            monitor=PartMonitor(telling),
+        )
     SafeConsole().print(success_table(evaluation), highlight=False)
     if out is not None:
         with output_errors(out.parent):

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import tyro
 
 from surmount.cli.main import INTERRUPTED
+from surmount.cli.part_progress import PartProgress
 from surmount.cli.workers import WorkerOptions, Workers
 
 MAP = "initiations.json"
@@ -31,13 +32,16 @@ def initiations(
         out: Folder for networks, trials and the map.
         workers: Where stages run.
     """
-    from surmount.core.records import write_record
-    from surmount.studies.initiation_figure import write_initiation_figure
-    from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
-    from surmount.workflow.console import SafeConsole
-    from surmount.workflow.progress import run_graph
-    from surmount.workflow.provenance import provenance
-    from surmount.workflow.store import output_errors, sole_user
+    with PartProgress() as telling:
+        telling(f"reading {settings}")
+        # After the first line: what learns takes seconds to import.
+        from surmount.core.records import write_record
+        from surmount.studies.initiation_figure import write_initiation_figure
+        from surmount.studies.initiation_map import initiation_stages, read_settings, summarise
+        from surmount.workflow.console import SafeConsole
+        from surmount.workflow.progress import run_graph
+        from surmount.workflow.provenance import provenance
+        from surmount.workflow.store import output_errors, sole_user
 
     workers.checked()
     chosen = read_settings(settings)

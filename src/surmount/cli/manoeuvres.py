@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, overrides
+from surmount.core.printing import say
 from surmount.rstar.course.obstacles import OBSTACLES
 
 
@@ -36,6 +38,7 @@ def manoeuvres(
             own manoeuvres and those made by hand.
         processes: Worker processes of one thread each, one per obstacle.
     """
+    say(f"Searching {', '.join(obstacles)}; the first size takes a while", file=sys.stderr)
     from surmount.core.configuration import override, to_record
     from surmount.core.records import write_record
     from surmount.rstar.course.config import EnvConfig

@@ -9,6 +9,7 @@ import tyro
 from rich.table import Table
 
 from surmount.cli.main import INTERRUPTED
+from surmount.cli.part_progress import PartProgress
 from surmount.cli.workers import WorkerOptions, Workers
 
 MAP = "regimes.json"
@@ -30,13 +31,16 @@ def regimes(
         out: Folder for networks, trials and the map.
         workers: Where stages run.
     """
-    from surmount.core.records import write_record
-    from surmount.studies.regime_figure import write_regime_figure
-    from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
-    from surmount.workflow.console import SafeConsole
-    from surmount.workflow.progress import run_graph
-    from surmount.workflow.provenance import provenance
-    from surmount.workflow.store import output_errors, sole_user
+    with PartProgress() as telling:
+        telling(f"reading {map}")
+        # After the first line: what learns takes seconds to import.
+        from surmount.core.records import write_record
+        from surmount.studies.regime_figure import write_regime_figure
+        from surmount.studies.regime_map import read_regime_map, regime_stages, summarise_regimes
+        from surmount.workflow.console import SafeConsole
+        from surmount.workflow.progress import run_graph
+        from surmount.workflow.provenance import provenance
+        from surmount.workflow.store import output_errors, sole_user
 
     workers.checked()
     chosen = read_regime_map(map)

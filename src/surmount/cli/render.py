@@ -41,6 +41,7 @@ def render(
     from surmount.envs.video import FILM_WRITERS, PICTURE, check_output, write_png
 
     check_output(out)
+    say(f"Drawing {shown.source} into {out}", file=sys.stderr)
     if _rendered_own(shown, out, fps):
         return 0
     # Only the robot's films need its simulation.

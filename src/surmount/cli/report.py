@@ -8,6 +8,7 @@ from typing import Annotated
 
 import tyro
 
+from surmount.cli.part_progress import PartProgress
 from surmount.core.errors import ConfigError
 from surmount.core.printing import say
 
@@ -28,15 +29,19 @@ def report(
         out: Folder for the page over several runs.
         follow: Draw the page of a run again whenever a stage is finished, until all are.
     """
-    from surmount.studies.paper.pages import write_overview
-
     if out is not None:
         if follow:
             raise ConfigError(
                 "A page over several runs is not followed.",
                 remedy="Leave out --follow, or give one run.",
             )
-        say(f"Report: {write_overview(folder, out).resolve()}")
+        with PartProgress() as telling:
+            telling(f"reading {len(folder)} runs")
+            # After the first line: what draws takes seconds to import.
+            from surmount.studies.paper.pages import write_overview
+
+            page = write_overview(folder, out)
+        say(f"Report: {page.resolve()}")
         return 0
     if len(folder) != 1:
         raise ConfigError(
@@ -48,11 +53,14 @@ def report(
 
 def _write(root: Path) -> int:
     """Write the page, and say what it cannot show yet."""
-    from surmount.experiment.films import films
-    from surmount.report.pages import write_report
-    from surmount.workflow.run_folder import open_run
+    with PartProgress() as telling:
+        telling(f"reading {root}")
+        # After the first line: what draws takes seconds to import.
+        from surmount.experiment.films import films
+        from surmount.report.pages import write_report
+        from surmount.workflow.run_folder import open_run
 
-    run = open_run(root)
+        run = open_run(root)
     if run.missing:
         done = len(run.protocol)
         say(
@@ -60,7 +68,10 @@ def _write(root: Path) -> int:
             f"{run.missing[0]}. What learns now: tensorboard --logdir {root / 'logs'}"
         )
     films(root, say)
-    say(f"Report: {write_report(root).resolve()}")
+    with PartProgress() as telling:
+        telling("drawing the page")
+        page = write_report(root)
+    say(f"Report: {page.resolve()}")
     return 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from surmount.cli.configuration_flags import RunOptions, run_configured
+from surmount.cli.configuration_flags import RunOptions, opened_console, run_configured
 from surmount.cli.main import INTERRUPTED
 from surmount.experiment.config import ExperimentConfig
 
@@ -22,16 +22,7 @@ def reproduce(arguments: Sequence[str]) -> int:
 
 
 def _run(options: RunOptions, chosen: ExperimentConfig, _beside: Mapping[str, Any]) -> int:
-    from surmount.workflow.console import SafeConsole
-
-    console = SafeConsole()
-    console.print(
-        f"Into {options.out}. Look at it meanwhile: surmount report --follow {options.out}, or "
-        f"tensorboard --logdir {options.out / 'logs'}",
-        soft_wrap=True,
-        markup=False,
-        highlight=False,
-    )
+    console = opened_console(options.out)
     # After the first line: what learns takes seconds to import.
     from surmount.cli.summary import print_summary
     from surmount.experiment.experiment import Experiment

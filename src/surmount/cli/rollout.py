@@ -11,6 +11,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.options import Assignments, ConfigFile, environment_overrides
+from surmount.cli.part_progress import PartMonitor, PartProgress
 from surmount.core.errors import ConfigError
 from surmount.core.printing import say
 
@@ -56,13 +57,14 @@ def rollout(
     named = dict(zip(_names(policy, network), policy, strict=True))
     require_writable_kind(out)
 
+    telling = PartProgress()
+    telling(f"loading {', '.join(named)}")  # before what takes seconds to import
     import torch
 
     from surmount.experiment.presets import configured, preset
     from surmount.learn.brought_policy import by_network, load_policy, policy_trials
     from surmount.learn.rollout_config import RolloutConfig
     from surmount.trials.table import write_trials
-    from surmount.workflow.monitor import SilentMonitor
     from surmount.workflow.store import output_errors
 
     torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
@@ -71,9 +73,10 @@ def rollout(
     loaded = {name: load_policy(function) for name, function in named.items()}
     parts = {}
     for name, one in loaded.items():
-        parts[name] = policy_trials(
-            chosen.family, chosen.env, name, one, tries, seed=seed, monitor=SilentMonitor()
-        )
+        with telling:
+            parts[name] = policy_trials(
+                chosen.family, chosen.env, name, one, tries, seed=seed, monitor=PartMonitor(telling)
+            )
         say(f"{name}: {int(parts[name].success.sum())} of {parts[name].n_trials:,} succeeded")
         sys.stdout.flush()
     trials = by_network(parts)

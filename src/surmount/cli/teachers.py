@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from surmount.cli.main import INTERRUPTED
+from surmount.cli.part_progress import PartProgress
 from surmount.cli.workers import WorkerOptions, Workers
 
 RECORD = "comparison.json"
@@ -33,17 +34,20 @@ def teachers(
         tasks: Names of the tasks to run; all of the plan if left out.
         workers: Where stages run.
     """
-    from surmount.core.errors import ConfigError
-    from surmount.core.records import write_record
-    from surmount.studies.teachers.graph import comparison_stages
-    from surmount.studies.teachers.judging import judge
-    from surmount.studies.teachers.page import write_page
-    from surmount.studies.teachers.plan import read_plan
-    from surmount.studies.teachers.reading import answer
-    from surmount.workflow.console import SafeConsole
-    from surmount.workflow.progress import run_graph
-    from surmount.workflow.provenance import provenance
-    from surmount.workflow.store import output_errors, sole_user
+    with PartProgress() as telling:
+        telling(f"reading {plan}")
+        # After the first line: what learns takes seconds to import.
+        from surmount.core.errors import ConfigError
+        from surmount.core.records import write_record
+        from surmount.studies.teachers.graph import comparison_stages
+        from surmount.studies.teachers.judging import judge
+        from surmount.studies.teachers.page import write_page
+        from surmount.studies.teachers.plan import read_plan
+        from surmount.studies.teachers.reading import answer
+        from surmount.workflow.console import SafeConsole
+        from surmount.workflow.progress import run_graph
+        from surmount.workflow.provenance import provenance
+        from surmount.workflow.store import output_errors, sole_user
 
     workers.checked()
     plans = read_plan(plan)
