@@ -56,6 +56,20 @@ def test_the_interval_over_networks_decides(results, first, second, verdict):
     assert found.sentences[0].startswith(OPENING[verdict])
 
 
+def test_where_every_trial_succeeds_there_was_nothing_to_add(results):
+    tests = {
+        name: dataclasses.replace(test, success=np.ones_like(test.success))
+        for name, test in results.tests.items()
+    }
+    found = answer(
+        dataclasses.replace(results, tests={**results.tests, **{a: tests[a] for a in ARMS}})
+    )
+    assert found.verdict == "nothing to add"
+    assert found.sentences[0].startswith("The curriculum had nothing to add: in the end every")
+    one = {**tests, ARMS[1]: results.tests[ARMS[1]]}
+    assert answer(dataclasses.replace(results, tests=one)).verdict != "nothing to add"
+
+
 def test_what_it_rests_on_is_said_with_it(results):
     _, stability, levels = answer(results).sentences
     assert stability.startswith("The grouping is ")

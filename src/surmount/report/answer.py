@@ -15,16 +15,18 @@ from surmount.core.arrays import BoolArray, FloatArray
 from surmount.report.document.text import SPACE, counted, percent, percent_interval, signed
 from surmount.report.results import RunResults
 from surmount.stats.differences import NetworkDifference
-from surmount.workflow.run_layout import ARMS, CURRICULUM
+from surmount.workflow.run_layout import ARMS, CURRICULUM, INITIATION
 
-Help = Literal["helps", "harms", "not shown", "nothing to compare", "open"]
+Help = Literal["helps", "harms", "not shown", "nothing to add", "nothing to compare", "open"]
 """What a run says to it: not shown where the interval over networks holds zero, or there is none;
-nothing to compare where the arms are one treatment; open before both arms were tested."""
+nothing to add where every trial of both arms succeeds; nothing to compare where the arms are one
+treatment; open before both arms were tested."""
 
 OPENING: dict[Help, str] = {
     "helps": "Yes, the curriculum helps",
     "harms": "No, the curriculum harms",
     "not shown": "It is not shown that the curriculum helps",
+    "nothing to add": "The curriculum had nothing to add",
     "nothing to compare": "Whether the curriculum helps cannot be asked here",
     "open": "Whether the curriculum helps is still to come",
 }
@@ -68,6 +70,14 @@ def answer(results: RunResults) -> Answer:
         )
         sentence = f"{OPENING['nothing to compare']}: {why}."
         return Answer(verdict="nothing to compare", effect="", networks="",
+                      sentences=(sentence, _stability(analysis), *decided))  # fmt: skip
+    if all(results.tests[arm].success.all() for arm in ARMS):
+        before = results.tests[INITIATION].success.mean()
+        sentence = (
+            f"{OPENING['nothing to add']}: in the end every trial succeeds, with it and without "
+            f"({percent(before)} before)."
+        )
+        return Answer(verdict="nothing to add", effect="", networks="",
                       sentences=(sentence, _stability(analysis), *decided))  # fmt: skip
     mean = comparison.mean_difference
     found = _verdict(mean)

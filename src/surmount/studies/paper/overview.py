@@ -105,7 +105,11 @@ def _verdict(answers: Mapping[str, Answer]) -> str:
         for verdict in get_args(Help)
     }
     helps, harms, unsure = (by[verdict] for verdict in ("helps", "harms", "not shown"))
+    mastered = by["nothing to add"]
+    ends = f"; on {listed(mastered)} every trial succeeds without it, too" if mastered else ""
     asked = len(helps) + len(harms) + len(unsure)
+    if not asked and mastered:
+        return f"The curriculum had nothing to add on {listed(mastered)}: every trial succeeds."
     if not asked:
         return "Whether the curriculum helps cannot be said of any obstacle yet."
     of = f"of {counted(asked, 'obstacle')} on which it can be asked"
@@ -117,7 +121,7 @@ def _verdict(answers: Mapping[str, Answer]) -> str:
             first += f"; it helps on {listed(helps)}"
     else:
         first = f"The curriculum is not shown to help on any {of}"
-    return f"{first}{f'; on {listed(unsure)} networks do not tell' if unsure else ''}."
+    return f"{first}{f'; on {listed(unsure)} networks do not tell' if unsure else ''}{ends}."
 
 
 def _effects(answers: Mapping[str, Answer]) -> list[str]:
