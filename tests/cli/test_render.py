@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-
 import av
 import numpy as np
 import pytest
 from graphics import needs_graphics, orange
+from missing import take_away
 from PIL import Image
 from small import run_first_stages, small_config
 
@@ -116,9 +115,7 @@ def test_a_view_without_a_display_ends_with_code_1(capsys, monkeypatch):
 
 
 def test_without_the_extra_for_films_render_says_what_to_install(capsys, monkeypatch, tmp_path):
-    for module in ("surmount.rstar.film.film", "surmount.envs.video"):
-        monkeypatch.delitem(sys.modules, module, raising=False)
-    monkeypatch.setitem(sys.modules, "av", None)  # as if it were not installed
+    take_away(monkeypatch, "av", "surmount.rstar.film.film", "surmount.envs.video")
     code, _, err = call(capsys, "render", "step", "--stand", "--out", tmp_path / "x.mp4")
     assert code == 6
     assert "pip install 'surmount[video]'" in err

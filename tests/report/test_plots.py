@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 import json
-import sys
 
 import pytest
+from missing import take_away
 
 import surmount
 from surmount.analysis.result import Analysis
@@ -67,9 +67,7 @@ def test_an_analysis_explains_itself_in_lines(analysis):
 
 
 def test_without_the_extra_a_sentence_names_it(analysis, monkeypatch):
-    for name in [name for name in sys.modules if name.startswith("surmount.report")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "altair", None)
+    take_away(monkeypatch, "altair", "surmount.report")
     with pytest.raises(MissingExtraError, match=r"pip install 'surmount\[report\]'"):
         analysis.plot_dendrogram()
 

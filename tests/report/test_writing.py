@@ -14,6 +14,7 @@ from urllib.parse import unquote
 
 import pytest
 from markdown_it import MarkdownIt
+from missing import take_away
 from page_reader import PageReader
 from run_builder import SMALL, RunBuilder
 
@@ -370,9 +371,7 @@ def test_a_folder_without_a_run_and_one_of_another_version_are_refused(reported,
 
 
 def test_a_missing_extra_is_named(reported, monkeypatch):
-    for name in [name for name in sys.modules if name.startswith("surmount.report.")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "altair", None)
+    take_away(monkeypatch, "altair", "surmount.report")
     with pytest.raises(MissingExtraError, match=r"pip install 'surmount\[report\]'"):
         write_report(reported.root)
 

@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 import polars as pl
+from PIL import Image
 
 from surmount.learn.snapshot import Snapshot, acting_only
 from surmount.report.pages import write_report
@@ -47,8 +48,12 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
     for path in (page.with_suffix(".md"), root / RUN):
         shutil.copy(path, folder)
     for path in sorted((root / "figures").iterdir()):
-        if path.suffix in {".png", ".csv"}:
+        if path.suffix == ".csv":
             shutil.copy(path, folder / "figures")
+        if path.suffix == ".png":  # a quarter of the size; the vector pictures are in the page
+            Image.open(path).convert("RGB").quantize(256).save(
+                folder / "figures" / path.name, optimize=True
+            )
     analysis, statistics = run.stages[ANALYSIS], run.stages[STATISTICS]
     for path in (
         analysis.path(CURRICULUM_FILE),
