@@ -249,6 +249,7 @@ def styled(chart: alt.ConcatChart) -> alt.ConcatChart:
             labelOverlap=True,
         ),
         legend=alt.LegendConfig(
+            symbolOpacity=1,
             orient="top",
             labelColor=INK,
             labelFontSize=12,
