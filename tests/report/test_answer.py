@@ -9,10 +9,13 @@ import pytest
 from run_builder import RunBuilder
 
 from surmount.cli.main import run
-from surmount.report.answer import OPENING, answer, time_differences
+from surmount.report.answer import OPENING, answer, network_differences, time_differences
+from surmount.report.document.text import interval
 from surmount.report.results import read_run
 from surmount.report.sections.summary import summary
+from surmount.report.sections.testing import path_table
 from surmount.report.verdicts import group_sentence
+from surmount.stats.detectable import detectable_difference
 from surmount.stats.differences import network_difference
 from surmount.workflow.run_layout import ARMS
 
@@ -54,6 +57,32 @@ def test_the_interval_over_networks_decides(results, first, second, verdict):
     found = answer(_with(results, first, second))
     assert found.verdict == verdict
     assert found.sentences[0].startswith(OPENING[verdict])
+
+
+def test_what_would_have_been_found_stands_beside_what_is_not_shown(results):
+    found = answer(_with(results, [0.9, 0.1, 0.6], [0.1, 0.5, 0.4]))
+    differences = network_differences(results)
+    least = detectable_difference(differences.std(ddof=1), differences.size).difference
+    assert f"A difference of {100 * least:.0f} points would" in found.sentences[0].replace(
+        "\xa0", " "
+    )
+
+
+def test_contrasts_of_path_lengths_stand_beside_their_spread_over_networks(results):
+    curriculum = results.analysis.curriculum
+    (table,) = path_table(results.comparison, curriculum, results.tests)
+    shown = {row[:2]: row[4] for row in table.rows}
+    arms = [results.tests[arm] for arm in ARMS]
+    differences = []
+    for network in np.unique(arms[0].network):
+        own = [
+            t.success & (t.network == network) & (curriculum.groups_of(t.variant) == 0)
+            for t in arms
+        ]
+        means = [t.path_lengths["sprawl_deg"][m].mean() for t, m in zip(arms, own, strict=True)]
+        differences.append(means[0] - means[1])
+    expected = interval(min(differences), max(differences))
+    assert shown["sprawl", curriculum.groups[0].name] == expected
 
 
 def test_where_every_trial_succeeds_there_was_nothing_to_add(results):

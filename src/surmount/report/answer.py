@@ -14,6 +14,7 @@ from surmount.analysis.trust import is_stable
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.report.document.text import SPACE, counted, percent, percent_interval, signed
 from surmount.report.results import RunResults
+from surmount.stats.detectable import detectable_difference
 from surmount.stats.differences import NetworkDifference
 from surmount.workflow.run_layout import ARMS, CURRICULUM, INITIATION
 
@@ -81,9 +82,12 @@ def answer(results: RunResults) -> Answer:
                       sentences=(sentence, _stability(analysis), *decided))  # fmt: skip
     mean = comparison.mean_difference
     found = _verdict(mean)
-    effect, ahead = _effect(mean), _ahead(network_differences(results))
+    differences = network_differences(results)
+    effect, ahead = _effect(mean), _ahead(differences)
     sentence = f"{OPENING[found]}: mean success differs by {effect}"
     sentence += f" (with it minus without; paired t-test over networks); {ahead}."
+    if found == "not shown":
+        sentence += _would_have_been_found(differences)
     if mean.lower is None and mean.reason:
         sentence += f" {mean.reason}"
     return Answer(
@@ -108,6 +112,20 @@ def _effect(mean: NetworkDifference) -> str:
         return f"{estimate}, without an interval"
     limits = percent_interval(mean.lower, mean.upper, 0).replace("%", "points")
     return f"{estimate}, 95{SPACE}% interval {limits}"
+
+
+def _would_have_been_found(differences: FloatArray) -> str:
+    """Say what a paired t-test over as many networks could have found, where that is known."""
+    least = None
+    if differences.size > 1:
+        sd = float(differences.std(ddof=1))
+        least = detectable_difference(sd, differences.size).difference
+    if least is None:
+        return ""
+    return (
+        f" A difference of {100 * least:.0f}{SPACE}points would have been found in four of five "
+        "such runs."
+    )
 
 
 def _ahead(differences: FloatArray) -> str:
@@ -153,14 +171,7 @@ def _differences(
         own = np.ones(outcomes.success.size, dtype=np.bool_)
         if group is not None:
             own = curriculum.groups_of(outcomes.variant) == group
-        arms.append(
-            np.array(
-                [
-                    values[arm][own & (outcomes.network == network)].mean()
-                    for network in np.unique(outcomes.network)
-                ]
-            )
-        )
+        arms.append(outcomes.means(values[arm], own))
     return arms[0] - arms[1]
 
 

@@ -43,6 +43,17 @@ class Outcomes:
     end_s: FloatArray
     path_lengths: Mapping[str, FloatArray]
 
+    def means(self, values: BoolArray | FloatArray, mask: BoolArray) -> FloatArray:
+        """Return each network's mean of values over chosen trials, nan without any: ``(network,)``.
+
+        Parameters
+        ----------
+        values, mask
+            Shape ``(trial,)`` each.
+        """
+        chosen = (mask & (self.network == network) for network in np.unique(self.network))
+        return np.array([values[own].mean() if own.any() else np.nan for own in chosen])
+
     def scores(self) -> FloatArray:
         """Return each network's success rate on each variant, shape ``(network, variant)``."""
         return success_rates(self.variant, self.network, self.success)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from surmount.analysis.result import Analysis
 from surmount.report.comparison import Comparison, GroupComparison
 from surmount.report.document.parts import Block, Column, Notice, Paragraph, Section, Table
@@ -34,6 +36,7 @@ from surmount.report.verdicts import (
 )
 from surmount.stats.mixed import MethodContrast
 from surmount.stats.survival import KaplanMeier
+from surmount.tasks.curriculum import Curriculum
 from surmount.workflow.run_layout import ARMS
 
 
@@ -67,9 +70,8 @@ def testing_section(
     figure = None if analysis is None else path_lengths(analysis.curriculum, tests)
     if figure is not None:
         blocks.append(figure)
-    if comparison is not None:
-        blocks += path_table(comparison)
     if analysis is not None and comparison is not None:
+        blocks += path_table(comparison, analysis.curriculum, tests)
         blocks.append(success_by_variant(comparison, analysis.curriculum))
     return Section(
         anchor="testing", title="Testing: curriculum against control", blocks=tuple(blocks)
@@ -181,8 +183,10 @@ def _median(curve: KaplanMeier) -> str:
     return f"{curve.median:.2f} ({low} to {high})"
 
 
-def path_table(comparison: Comparison) -> list[Block]:
-    """Return the contrasts of path lengths, one table for all paths."""
+def path_table(
+    comparison: Comparison, curriculum: Curriculum, tests: Mapping[str, Outcomes]
+) -> list[Block]:
+    """Return the contrasts of path lengths beside their spread over networks, for all paths."""
     rows: list[tuple[str, ...]] = []
     reasons: dict[str | None, None] = {}
     notes = [
@@ -190,12 +194,15 @@ def path_table(comparison: Comparison) -> list[Block]:
             "Linear mixed model by REML, group × method with a random intercept per initial "
             "network (III-E); difference: curriculum minus control, in degrees. The model knows "
             "no network that takes to the method otherwise than the rest: one network can make a "
-            "difference."
+            "difference. By network: the smallest and the largest difference of a network's means."
         )
     ]
     for path, model in comparison.path_lengths.items():
         name = name_and_unit(path)[0]
-        rows += [_contrast_row(name, contrast) for contrast in model.contrasts]
+        rows += [
+            _contrast_row(name, contrast, _spread(path, contrast.group, curriculum, tests))
+            for contrast in model.contrasts
+        ]
         reasons |= dict.fromkeys(c.reason for c in model.contrasts if c.reason)
         if model.degrees_of_freedom_rule:
             notes.append(
@@ -217,6 +224,7 @@ def path_table(comparison: Comparison) -> list[Block]:
             Column(heading="group"),
             Column(heading="difference (°)", numeric=True),
             Column(heading="95 % interval", numeric=True),
+            Column(heading="by network", numeric=True),
             Column(heading="s.e.", numeric=True),
             Column(heading="d.f.", numeric=True),
             Column(heading="t", numeric=True),
@@ -229,12 +237,27 @@ def path_table(comparison: Comparison) -> list[Block]:
     return [table]
 
 
-def _contrast_row(name: str, contrast: MethodContrast) -> tuple[str, ...]:
+def _spread(path: str, group: str, curriculum: Curriculum, tests: Mapping[str, Outcomes]) -> str:
+    """Return the range of networks' differences in mean path length over successful trials."""
+    index = [one.name for one in curriculum.groups].index(group)
+    first, second = (
+        outcomes.means(
+            outcomes.path_lengths[path],
+            outcomes.success & (curriculum.groups_of(outcomes.variant) == index),
+        )
+        for outcomes in (tests[arm] for arm in ARMS)
+    )
+    differences = (first - second)[np.isfinite(first - second)]
+    return interval(differences.min(), differences.max()) if differences.size else UNDEFINED
+
+
+def _contrast_row(name: str, contrast: MethodContrast, spread: str) -> tuple[str, ...]:
     return (
         name,
         contrast.group,
         signed(contrast.estimate),
         interval(contrast.lower, contrast.upper),
+        spread,
         number(contrast.std_error),
         number(contrast.degrees_of_freedom),
         number(contrast.t),
