@@ -10,6 +10,7 @@ import pytest
 
 from surmount.report.evidence import Findings
 from surmount.report.outcomes import Outcomes
+from surmount.stats.detectable import detectable_difference
 from surmount.studies.paper.claims import claims_of
 from surmount.studies.paper.results import PAPER_RESULTS
 
@@ -111,6 +112,8 @@ def test_a_difference_that_only_trials_show_is_partly_reproduced():
     ]
     assert claim.verdict == "partly"
     assert claim.reason.startswith("The curriculum gets further")
+    least = detectable_difference(np.std([0.5, 0, 0, 0, 0], ddof=1), NETWORKS).difference
+    assert f"; {100 * least:.0f} would have been found" in claim.ours
 
 
 @pytest.mark.parametrize(

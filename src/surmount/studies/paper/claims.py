@@ -204,7 +204,7 @@ def _success(
         verdict = "not reproduced" if significant(test.p_value) else "reproduced"
     p = "no test" if test.p_value is None else f"χ² = {number(test.statistic, 4)}"
     limits = percent_interval(difference.lower, difference.upper).replace("%", "points")
-    pairs = np.subtract(*(_rates(outcomes, group) for outcomes in arms))
+    pairs = np.subtract(*(_rates(outcomes, group).mean(axis=1) for outcomes in arms))
     found = detectable_difference(float(pairs.std(ddof=1)), pairs.size) if pairs.size > 1 else None
     least = ""
     if found is not None and found.difference is not None:
