@@ -98,13 +98,6 @@ def test_statistics_count_what_the_trials_hold(finished):
             assert compared["survival"][arm]["n_events"] == trials.success[chosen].sum()
 
 
-def test_two_processes_give_the_same_bytes_as_none(finished, tmp_path):
-    root, _, _ = finished
-    outcome, _ = run_small(tmp_path, small_config(), processes=2)
-    assert not outcome.interrupted
-    assert content(tmp_path) == content(root)
-
-
 def test_a_second_call_runs_nothing(finished):
     root, outcome, _ = finished
     again, watcher = run_small(root, small_config())
@@ -150,7 +143,7 @@ def killed_run(root: Path, moment: Callable[[], bool]) -> bool:
     return killed
 
 
-def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path):
+def test_two_processes_killed_at_any_moment_resume_to_the_same_bytes_as_none(finished, tmp_path):
     root, _, _ = finished
     killed = tmp_path / "killed"
     # While both networks are trained, and when these and their trials are finished.
@@ -158,7 +151,7 @@ def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path
     assert len(content(killed)) < 4
     assert killed_run(killed, lambda: len([*killed.glob("stages/**/manifest.json")]) >= 4)
     assert len(content(killed)) < len(content(root))
-    outcome, _ = run_small(killed, small_config())
+    outcome, _ = run_small(killed, small_config(), processes=2)
     assert not outcome.interrupted
     assert content(killed) == content(root)
 

@@ -1,4 +1,4 @@
-"""The arms over the networks of one or several runs: ``python pool.py OUTCOMES.parquet ...``.
+"""The arms over the networks of one or several runs: ``python pool.py TASK OUTCOMES.parquet ...``.
 
 Reads what ``publish.py`` wrote, pairs arms network by network over all runs, and prints tables in
 Markdown: each network's success, and differences with 95 % t-intervals over networks and the
@@ -19,19 +19,19 @@ from surmount.stats.detectable import detectable_difference
 from surmount.stats.differences import network_difference
 from surmount.studies.paper.results import PAPER_RESULTS
 
-RANGES = {
-    "all": (0.0, np.inf),
-    **{
-        "{:g}-{:g}".format(*group.range_mm): group.range_mm
-        for group in PAPER_RESULTS["step"].groups
-    },
-    "hardest quarter": (43.0, 50.0),
-}
-"""Heights in mm: all of them, the paper's recovered groups, and the hardest."""
+HARDEST = {"step": {"hardest quarter": (43.0, 50.0)}}
+"""What the plan names besides all variants and the paper's recovered groups, in mm."""
 PAIRS = (("curriculum", "control"), ("given-groups", "control"), ("given-groups", "curriculum"))
 
 
-def scores(paths: list[Path]) -> pl.DataFrame:
+def ranges(task: str) -> dict[str, tuple[float, float]]:
+    """Return the sizes in mm over which success is averaged: all, and the paper's groups."""
+    groups = (group.range_mm for group in PAPER_RESULTS[task].groups)
+    named = {"{:g}-{:g}".format(*sizes): sizes for sizes in groups}
+    return {"all": (0.0, np.inf), **named, **HARDEST.get(task, {})}
+
+
+def scores(task: str, paths: list[Path]) -> pl.DataFrame:
     """Return one row per run, network and arm, with the mean success of each range in points."""
     tables: list[pl.DataFrame] = []
     for path in paths:
@@ -44,16 +44,15 @@ def scores(paths: list[Path]) -> pl.DataFrame:
                 (100 * pl.col("success").filter(pl.col(size).is_between(low, high)).mean()).alias(
                     name
                 )
-                for name, (low, high) in RANGES.items()
+                for name, (low, high) in ranges(task).items()
             )
             .with_columns(pl.lit(path.parent.name).alias("run"))
         )
     return pl.concat(tables).sort("run", "network", "learnt")
 
 
-def lines(table: pl.DataFrame) -> Iterator[str]:
+def lines(table: pl.DataFrame, names: list[str]) -> Iterator[str]:
     """Write the tables."""
-    names = [*RANGES]
     yield "| run, network | " + " | ".join(f"{name} mm" for name in names) + " |"
     yield "|---" * (1 + len(names)) + "|"
     arms = [arm for arm in ("initiation", "control", "curriculum", "given-groups")
@@ -85,5 +84,6 @@ def _difference(one: np.ndarray, two: np.ndarray) -> str:
 
 
 if __name__ == "__main__":
-    for line in lines(scores([Path(path) for path in sys.argv[1:]])):
+    task, *found = sys.argv[1:]
+    for line in lines(scores(task, [Path(path) for path in found]), [*ranges(task)]):
         say(line)
