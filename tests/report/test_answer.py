@@ -113,6 +113,8 @@ def test_no_p_value_is_told_where_networks_disagree(results):
     assert "p < 0.001" in group_sentence(entry, alike, times).replace("\xa0", " ")
     sentence = group_sentence(entry, alike, np.array([-1.0, 2.0]))
     assert "completion time: networks disagree, 1 of 2 sooner and 1 later with it." in sentence
+    sentence = group_sentence(entry, np.array([0.9, 0.0]), times)
+    assert "success: 1 of 2 networks ahead, 0 behind, 1 alike; completion" in sentence
     apart = group_sentence(entry, np.array([0.9, -0.1]), times)
     assert "networks disagree, 1 of 2 ahead and 1 behind" in apart
     assert "p" not in apart.split(": ", 1)[1].replace("points", "").split()

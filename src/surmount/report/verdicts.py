@@ -85,7 +85,8 @@ def group_sentence(entry: GroupComparison, differences: FloatArray, times: Float
     """Say in one sentence what is found in one group.
 
     Tests over trials take trials of one network for independent. They are told where all networks
-    agree with them; where networks disagree, that is what is said.
+    agree with them; where networks disagree, or some
+    are alike, that is what is said.
 
     Parameters
     ----------
@@ -104,12 +105,14 @@ def group_sentence(entry: GroupComparison, differences: FloatArray, times: Float
             f"{head}networks disagree, {ahead} of {differences.size} ahead and {behind} behind; "
             f"their mean difference is {signed(round(100 * float(differences.mean()), 1))} points."
         )
+    if 0 < ahead + behind < differences.size:
+        alike = differences.size - ahead - behind
+        by_success = f"{ahead} of {differences.size} networks ahead, {behind} behind, {alike} alike"
+    else:
+        by_success = because(success_verdict(success), success.p_value, success.reason)
     sooner, later = int((times < 0).sum()), int((times > 0).sum())
     if sooner and later:
         by_time = f"networks disagree, {sooner} of {times.size} sooner and {later} later with it"
     else:
         by_time = because(time_verdict(time), time.p_value, time.reason)
-    return (
-        f"{head}success: {because(success_verdict(success), success.p_value, success.reason)}; "
-        f"completion time: {by_time}."
-    )
+    return f"{head}success: {by_success}; completion time: {by_time}."
