@@ -16,7 +16,10 @@ from surmount.tasks.curriculum import Curriculum
 from surmount.trials.table import read_trials
 
 PUBLISHED = Path(__file__).parents[1] / "docs/results/reproduction"
-RUNS = ("narrow-channel", "low-entrance", "step", "step-2032")
+RUNS = (
+    *("narrow-channel", "low-entrance", "step"),
+    *("narrow-channel-2032", "low-entrance-2032", "step-2032", "step-2033"),
+)
 NETWORKS = [path for name in RUNS for path in sorted((PUBLISHED / name).glob("networks/*"))]
 REPETITIONS = 6
 

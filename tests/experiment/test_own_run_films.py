@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import av
 import numpy as np
 import pytest
 from any_spaces import Walk, make_walk
 from PIL import Image
-from small import run_first_stages
+from small import run_first_stages, run_small
 
 from surmount.core.configuration import override
 from surmount.core.errors import InputError
@@ -17,6 +19,7 @@ from surmount.experiment.films import films
 from surmount.experiment.own_films import film_network
 from surmount.experiment.own_run_films import LONGEST_S, MOST_FRAMES, MOST_PX
 from surmount.experiment.presets import preset
+from surmount.report import film_choice
 from surmount.report.pages import write_report
 from surmount.trials.table import read_trials
 from surmount.workflow.run_folder import open_run
@@ -124,3 +127,37 @@ def _without_drawing(begin):
         self.render_mode = None
 
     return begun
+
+
+def test_a_second_film_shows_both_arms_where_they_differ_most(tmp_path, monkeypatch):
+    changes = {"advancement.iteration_steps": 64, "advancement.extension_steps": 32}
+    changes |= {"advancement.window_steps": 16, "advancement.max_extensions": 1}
+    config = override(
+        CONFIG,
+        changes
+        | {
+            "analysis.components": 2,
+            "analysis.bootstrap": 0,
+            "analysis.min_samples_per_component": 4,
+        },
+    )
+    outcome, _ = run_small(tmp_path, config)
+    assert not outcome.interrupted
+    read = film_choice.read_outcomes
+
+    def as_if(artefacts):
+        """Return the tests as if the curriculum alone reached the middle goal, nobody another."""
+        stages = [*artefacts]
+        found = read(stages)
+        middle = found.variant[:, 0] == 1.0
+        ahead = "curriculum" in str(stages[0].path("trials.parquet"))
+        return replace(found, success=middle & ahead)
+
+    monkeypatch.setattr(film_choice, "read_outcomes", as_if)
+    films(tmp_path, lambda _: None, own=True)
+    drawn = read_record(tmp_path / "films" / "films.json")["films"]
+    second = [film for film in drawn if film["variant"].startswith(film_choice.TITLE)]
+    assert [film["kind"] for film in second] == ["curriculum", "control"]
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert page.count("<video") == len(drawn) == 5
+    assert "100 % with the curriculum, 0 % without it" in page.replace("\N{NO-BREAK SPACE}", " ")
