@@ -27,6 +27,7 @@ SMALL = CapabilityConfig(
 )
 
 
+@pytest.mark.slow
 def test_a_column_ends_two_sizes_beyond_what_the_mechanism_can_do():
     # The narrowest robot is 114.7 mm wide: 80 mm cannot be passed, whatever the manoeuvre.
     column = explore(SMALL, columns(SMALL)[0])

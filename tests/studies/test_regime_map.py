@@ -25,6 +25,7 @@ def written(tmp_path, text=f"{HEAD}[common]\n{KEYS}\n[axes]\n{AXES}"):
     return path
 
 
+@pytest.mark.slow
 def test_a_map_runs_both_arms_in_every_cell_and_names_regimes_by_its_rule(tmp_path, capsys):
     out, path = tmp_path / "out", written(tmp_path)
     command = ["regimes", str(path), "--out", str(out), "--processes", "0"]
