@@ -19,11 +19,11 @@ STILLS = (
 )
 """Obstacle, camera, and moment as a fraction of the stored manoeuvre for its hardest variant."""
 
-NETWORKS = Path(__file__).parents[1] / "results" / "reproduction" / "step" / "networks"
+NETWORKS = Path(__file__).parents[1] / "results/reproduction/narrow-channel-2032/networks"
 ARMS = ("control-2", "curriculum-2")
-"""The network of the published runs whose arms differ most, without and with the curriculum."""
-ARMS_MM, ARMS_HOLD_S, ARMS_FPS = 40.0, 1.0, 12
-"""A step of its hardest group that one of them mostly overcomes and the other never does."""
+"""The network of that run whose arms differ most, without and with the curriculum."""
+ARMS_MM, ARMS_SEED, ARMS_HOLD_S, ARMS_FPS = 190.0, 0, 1.0, 12
+"""The width on which they differ most; the seed of both policies' draws."""
 
 
 def draw(folder: Path) -> None:
@@ -42,11 +42,17 @@ def draw(folder: Path) -> None:
 
 def draw_arms(folder: Path) -> None:
     """Write ``arms.gif``: both arms side by side until the one with the curriculum has arrived."""
-    film = FilmConfig(
-        camera="course", width_px=400, height_px=270, fps=ARMS_FPS, hold_s=ARMS_HOLD_S
-    )
+    film = FilmConfig(camera="front", width_px=400, height_px=270, fps=ARMS_FPS, hold_s=ARMS_HOLD_S)
     without, with_curriculum = (
-        list(motions(Wanted(source=str(NETWORKS / f"{arm}.safetensors"), sizes_mm=(ARMS_MM,))))
+        list(
+            motions(
+                Wanted(
+                    source=str(NETWORKS / f"{arm}.safetensors"),
+                    sizes_mm=(ARMS_MM,),
+                    seed=ARMS_SEED,
+                )
+            )
+        )
         for arm in ARMS
     )
     shown = islice(

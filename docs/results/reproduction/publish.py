@@ -1,16 +1,16 @@
-"""Take what a repository should show of a run: ``python publish.py RUN FOLDER [NETWORKS]``.
+"""Take what a repository should show of a run: ``python publish.py RUN FOLDER [NETWORK ...]``.
 
 The page, the same in Markdown, figures with their data, configuration and versions, curriculum,
 analysis and statistics; the outcome of every trial (``outcomes.parquet``) and every episode that
-was learnt from (``episodes.parquet``); and of the first NETWORKS (two, as many as the paper had)
-what acting needs: ``surmount evaluate FOLDER/networks/curriculum-0.safetensors`` works at once.
-With 0 networks ``report.html`` is left out too.
+was learnt from (``episodes.parquet``); and of each NETWORK named by its number what acting needs:
+``surmount evaluate FOLDER/networks/curriculum-0.safetensors`` works at once.
 """
 
 from __future__ import annotations
 
 import shutil
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import polars as pl
@@ -37,15 +37,13 @@ from surmount.workflow.run_layout import (
 )
 
 
-def publish(root: Path, folder: Path, networks: int = 2) -> None:
+def publish(root: Path, folder: Path, networks: Sequence[int]) -> None:
     """Copy it."""
     page = write_report(root)
     run = open_run(root)
     (folder / "figures").mkdir(parents=True, exist_ok=True)
-    if networks:
-        (folder / "networks").mkdir(exist_ok=True)
-        shutil.copy(page, folder)
-    for path in (page.with_suffix(".md"), root / RUN):
+    (folder / "networks").mkdir(exist_ok=True)
+    for path in (page, page.with_suffix(".md"), root / RUN):
         shutil.copy(path, folder)
     for path in sorted((root / "figures").iterdir()):
         if path.suffix == ".csv":
@@ -64,7 +62,9 @@ def publish(root: Path, folder: Path, networks: int = 2) -> None:
     outcomes(run).write_parquet(folder / "outcomes.parquet", compression_level=19)
     episodes(run).write_parquet(folder / "episodes.parquet", compression_level=19)
     for kind in (*TRAININGS, *(taught(teacher) for teacher in teachers(run))):
-        for index, artefact in list(run.numbered(kind).items())[:networks]:
+        found = run.numbered(kind)
+        for index in networks:
+            artefact = found[index]
             network = acting_only(Snapshot.load(artefact.path(NETWORK_FILE)))
             network.save(folder / "networks" / f"{kind.split('/')[-1]}-{index}.safetensors")
 
@@ -108,4 +108,4 @@ def outcomes(run: RunFolder) -> pl.DataFrame:
 
 
 if __name__ == "__main__":
-    publish(Path(sys.argv[1]), Path(sys.argv[2]), *map(int, sys.argv[3:]))
+    publish(Path(sys.argv[1]), Path(sys.argv[2]), [int(number) for number in sys.argv[3:]])
