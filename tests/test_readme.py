@@ -60,7 +60,7 @@ def test_the_table_of_results_is_that_of_the_published_outcomes(name, folders):
         assert (difference, ahead) == ("0 points", "none")
         return
     low, high = stats.t.interval(0.95, gains.size - 1, gains.mean(), stats.sem(gains))
-    written = f"{gains.mean():+.0f} points ({low:.0f} to {high:.0f})".replace("-", "−")
+    written = f"{gains.mean():+.1f} points ({low:.0f} to {high:.0f})".replace("-", "−")
     assert difference == written
     assert ahead == f"{(gains > 0).sum()} of {gains.size}"
 
