@@ -466,3 +466,15 @@ def test_names_of_settings_are_code_and_nothing_else_is():
     assert "Raise <code>a.b</code>, not `&lt;i&gt;` or `|`." in html
     written = markdown(document, page="p.html", figures="f")
     assert "Raise `a.b`, not \\`\\<i\\>\\` or \\`\\|\\`." in written
+
+
+def test_what_scrolls_can_be_reached_by_the_keyboard(reported):
+    read = PageReader(reported.text())
+    scrolling = [
+        attributes
+        for tag, attributes in read.elements
+        if tag == "div" and attributes.get("class") in {"table", "scroll"}
+    ]
+    assert len(scrolling) > len(FIGURES)
+    assert all(attributes["tabindex"] == "0" for attributes in scrolling)
+    assert all(attributes["aria-label"] for attributes in scrolling)
