@@ -42,11 +42,19 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     here = page.file.src_uri
     if here.startswith("results/"):
         page.meta.setdefault("search", {"boost": 0.2})  # found after what explains
+    if here.endswith("/report.md"):  # pages of many runs have the same title
+        heading = markdown.partition("\n")[0].removeprefix("# ")
+        page.meta.setdefault("title", f"{heading}: {PurePosixPath(here).parent.name}")
     if here not in DRAWN:
         return markdown
     title, below, rest = markdown.partition("\n")
     name = PurePosixPath(_beside(here)).name
     return f"{title}{below}\n[The same as an interactive page]({name})\n{rest}"
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Leave out the page for addresses that a server does not find: from a folder it is broken."""
+    (Path(config.site_dir) / "404.html").unlink(missing_ok=True)
 
 
 def _beside(text: str) -> str:
