@@ -216,6 +216,15 @@ def test_nobody_wins_where_one_task_is_harmed():
     assert answer(tasks)[0].startswith("No teacher is shown to help")
 
 
+def test_headroom_alone_is_not_called_a_comparison():
+    task = task_of(0.2, good=0.1)
+    for teacher in task["teachers"]:
+        teacher["against"] = None
+    first, second = answer([task])
+    assert first == "No teacher has been run beside uniform tasks yet: this is the headroom alone."
+    assert second.startswith("On every held-out task that was run, more of the hard tasks")
+
+
 class SameForce:
     """Pushes all masses alike."""
 

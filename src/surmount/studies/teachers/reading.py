@@ -64,12 +64,15 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     titles = {teacher["name"]: teacher["title"] for task in tasks for teacher in task["teachers"]}
     won = winners(tasks)
     judged = [task for task in tasks if task["role"] == "held out"]
+    compared = any(teacher["against"] for task in judged for teacher in task["teachers"])
     if won:
         first = (
             f"Over uniform tasks {_listed([titles[name] for name in won])} "
             f"{'helps' if len(won) == 1 else 'help'} on at least one held-out task and "
             f"{'harms' if len(won) == 1 else 'harm'} on none."
         )
+    elif not compared:
+        first = "No teacher has been run beside uniform tasks yet: this is the headroom alone."
     else:
         first = "No teacher is shown to help over uniform tasks on a held-out task without harm."
     flat = [task["title"] for task in judged if task["headroom"] and not has_headroom(task)]
@@ -89,6 +92,8 @@ def answer(tasks: Sequence[Record]) -> list[str]:
         if (found := teacher["against"]) and verdict(teacher) == "not sure"
         and found["smallest_detectable"] is not None
     ]  # fmt: skip
+    if not compared:
+        return [first, second]
     if open_:
         largest, where = max(open_)
         third = (
