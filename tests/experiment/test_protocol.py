@@ -154,6 +154,19 @@ def test_two_processes_killed_while_they_train_resume_to_the_same_bytes_as_none(
 
 
 @pytest.mark.slow
+def test_a_run_killed_again_between_stages_resumes_to_the_same_bytes(finished, tmp_path):
+    root, _, _ = finished
+    killed = tmp_path / "killed"
+    assert killed_run(killed, lambda: any(killed.glob("checkpoints/**/*.safetensors")))
+    assert len(content(killed)) < 4
+    assert killed_run(killed, lambda: len([*killed.glob("stages/**/manifest.json")]) >= 4)
+    assert len(content(killed)) < len(content(root))
+    outcome, _ = run_small(killed, small_config())
+    assert not outcome.interrupted
+    assert content(killed) == content(root)
+
+
+@pytest.mark.slow
 def test_ten_kills_at_random_moments_change_nothing(finished, tmp_path):
     root, _, _ = finished
     killed = tmp_path / "killed"

@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 
 from surmount.core.printing import say
-from surmount.stats.detectable import detectable_difference
+from surmount.stats.detectable import detectable_between
 from surmount.stats.differences import network_difference
 from surmount.studies.paper.results import PAPER_RESULTS
 
@@ -79,7 +79,7 @@ def _difference(one: np.ndarray, two: np.ndarray) -> str:
     found = network_difference(one, two, paired=True)
     if found.lower is None:
         return f"{found.estimate:+.1f}"
-    least = detectable_difference(float((one - two).std(ddof=1)), len(one)).difference
+    least = detectable_between(one - two)
     return f"{found.estimate:+.1f} ({found.lower:+.1f} to {found.upper:+.1f}; {least:.0f})"
 
 

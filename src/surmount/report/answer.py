@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,8 +13,9 @@ from surmount.analysis.result import Analysis
 from surmount.analysis.trust import is_stable
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.report.document.text import SPACE, counted, percent, percent_interval, signed
+from surmount.report.outcomes import Outcomes, arm_differences
 from surmount.report.results import RunResults
-from surmount.stats.detectable import detectable_difference
+from surmount.stats.detectable import detectable_between
 from surmount.stats.differences import NetworkDifference
 from surmount.workflow.run_layout import ARMS, CURRICULUM, INITIATION
 
@@ -116,10 +117,7 @@ def _effect(mean: NetworkDifference) -> str:
 
 def _would_have_been_found(differences: FloatArray) -> str:
     """Say what a paired t-test over as many networks could have found, where that is known."""
-    least = None
-    if differences.size > 1:
-        sd = float(differences.std(ddof=1))
-        least = detectable_difference(sd, differences.size).difference
+    least = detectable_between(differences)
     if least is None:
         return ""
     return (
@@ -145,7 +143,7 @@ def network_differences(results: RunResults, group: int | None = None) -> FloatA
     group
         Of the variants of this group alone; of all if None.
     """
-    return _differences(results, group, {arm: results.tests[arm].success for arm in ARMS})
+    return arm_differences(results.tests, lambda test: test.success, _chosen(results, group))
 
 
 def time_differences(results: RunResults, group: int) -> FloatArray:
@@ -153,26 +151,21 @@ def time_differences(results: RunResults, group: int) -> FloatArray:
 
     In s, over all trials of a group; a failed one counts as the longest of all trials.
     """
-    tests = {arm: results.tests[arm] for arm in ARMS}
-    longest = max(float(test.end_s.max()) for test in tests.values())
-    times = {arm: np.where(test.success, test.end_s, longest) for arm, test in tests.items()}
-    return _differences(results, group, times)
+    longest = max(float(results.tests[arm].end_s.max()) for arm in ARMS)
+    return arm_differences(
+        results.tests,
+        lambda test: np.where(test.success, test.end_s, longest),
+        _chosen(results, group),
+    )
 
 
-def _differences(
-    results: RunResults, group: int | None, values: Mapping[str, BoolArray | FloatArray]
-) -> FloatArray:
-    """Return the difference of both arms' means of values, one for each trial, by network."""
+def _chosen(results: RunResults, group: int | None) -> Callable[[Outcomes], BoolArray]:
+    """Return what chooses the trials of a group; of all if None."""
     assert results.analysis is not None  # noqa: S101 - asked where there are groups
     curriculum = results.analysis.curriculum
-    arms: list[FloatArray] = []
-    for arm in ARMS:
-        outcomes = results.tests[arm]
-        own = np.ones(outcomes.success.size, dtype=np.bool_)
-        if group is not None:
-            own = curriculum.groups_of(outcomes.variant) == group
-        arms.append(outcomes.means(values[arm], own))
-    return arms[0] - arms[1]
+    if group is None:
+        return lambda test: np.ones(test.success.size, dtype=np.bool_)
+    return lambda test: curriculum.groups_of(test.variant) == group
 
 
 def _stability(analysis: Analysis) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.trials.table import read_trials
 from surmount.trials.trials import Trials, success_rates
-from surmount.workflow.run_layout import TRIALS_FILE
+from surmount.workflow.run_layout import ARMS, TRIALS_FILE
 from surmount.workflow.store import Artefact
 
 PATHS = ("sprawl_deg", "fbem_deg")
@@ -57,6 +57,24 @@ class Outcomes:
     def scores(self) -> FloatArray:
         """Return each network's success rate on each variant, shape ``(network, variant)``."""
         return success_rates(self.variant, self.network, self.success)
+
+
+def arm_differences(
+    tests: Mapping[str, Outcomes],
+    values: Callable[[Outcomes], BoolArray | FloatArray],
+    chosen: Callable[[Outcomes], BoolArray],
+) -> FloatArray:
+    """Return each network's mean with the curriculum minus without, shape ``(network,)``.
+
+    Parameters
+    ----------
+    tests
+        Of both arms, by arm.
+    values, chosen
+        What is averaged, and which trials count, ``(trial,)`` each.
+    """
+    first, second = (tests[arm].means(values(tests[arm]), chosen(tests[arm])) for arm in ARMS)
+    return first - second
 
 
 def read_outcomes(artefacts: Iterable[Artefact]) -> Outcomes:

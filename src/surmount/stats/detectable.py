@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import nctdtr, stdtrit  # laws of t; scipy.stats is slow to import
 
+from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
 from surmount.stats.result import Result
 
@@ -211,3 +212,16 @@ def _require(sd: float, *, level: float, power: float | None = None) -> None:
             f"A power of {power:g} is not between the test's level, {level:g}, and 1.",
             remedy="Give a fraction such as 0.8.",
         )
+
+
+def detectable_between(differences: FloatArray) -> float | None:
+    """Return the smallest difference that as many pairs as these would have shown; None if unknown.
+
+    Parameters
+    ----------
+    differences
+        Of the two arms in each pair of networks, ``(network,)``.
+    """
+    if differences.size < 2:
+        return None
+    return detectable_difference(float(differences.std(ddof=1)), differences.size).difference

@@ -25,7 +25,7 @@ from surmount.report.figures.path import path_lengths
 from surmount.report.figures.success import success_by_group
 from surmount.report.figures.survival import survival_curves
 from surmount.report.figures.variant import success_by_variant
-from surmount.report.outcomes import Outcomes
+from surmount.report.outcomes import Outcomes, arm_differences
 from surmount.report.verdicts import (
     NOT_TESTABLE,
     UNTRAINED,
@@ -240,14 +240,12 @@ def path_table(
 def _spread(path: str, group: str, curriculum: Curriculum, tests: Mapping[str, Outcomes]) -> str:
     """Return the range of networks' differences in mean path length over successful trials."""
     index = [one.name for one in curriculum.groups].index(group)
-    first, second = (
-        outcomes.means(
-            outcomes.path_lengths[path],
-            outcomes.success & (curriculum.groups_of(outcomes.variant) == index),
-        )
-        for outcomes in (tests[arm] for arm in ARMS)
+    differences = arm_differences(
+        tests,
+        lambda test: test.path_lengths[path],
+        lambda test: test.success & (curriculum.groups_of(test.variant) == index),
     )
-    differences = (first - second)[np.isfinite(first - second)]
+    differences = differences[np.isfinite(differences)]
     return interval(differences.min(), differences.max()) if differences.size else UNDEFINED
 
 

@@ -34,7 +34,7 @@ from surmount.report.verdicts import (
     time_verdict,
 )
 from surmount.stats.bootstrap import Bootstrap
-from surmount.stats.detectable import detectable_difference
+from surmount.stats.detectable import detectable_between
 from surmount.stats.differences import network_difference
 from surmount.stats.evidence import bootstrap_interval
 from surmount.stats.proportions import proportion_test
@@ -204,11 +204,10 @@ def _success(
         verdict = "not reproduced" if significant(test.p_value) else "reproduced"
     p = "no test" if test.p_value is None else f"χ² = {number(test.statistic, 4)}"
     limits = percent_interval(difference.lower, difference.upper).replace("%", "points")
-    pairs = np.subtract(*(_rates(outcomes, group).mean(axis=1) for outcomes in arms))
-    found = detectable_difference(float(pairs.std(ddof=1)), pairs.size) if pairs.size > 1 else None
-    least = ""
-    if found is not None and found.difference is not None:
-        least = f"; {100 * found.difference:.0f} would have been found"
+    found = detectable_between(
+        np.subtract(*(_rates(outcomes, group).mean(axis=1) for outcomes in arms))
+    )
+    least = "" if found is None else f"; {100 * found:.0f} would have been found"
     return Claim(
         claim=f"success with and without curriculum, {_where(group)}",
         paper=_printed(group),

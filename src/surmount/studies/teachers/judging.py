@@ -15,7 +15,7 @@ from surmount.core.seeds import derive_seed
 from surmount.experiment.stages import pooled_trials
 from surmount.experiment.statistics import success_matrix
 from surmount.stats.bootstrap import Bootstrap
-from surmount.stats.detectable import detectable_difference
+from surmount.stats.detectable import detectable_between
 from surmount.stats.differences import network_difference
 from surmount.stats.evidence import (
     bootstrap_interval,
@@ -78,7 +78,6 @@ def against(first: FloatArray, second: FloatArray, seed: int) -> Record:
     differences = (first - second).mean(axis=1)
     mean = network_difference(first, second, paired=True)
     sd = float(differences.std(ddof=1)) if differences.size > 1 else 0.0
-    detectable = detectable_difference(sd, differences.size) if sd > 0 else None
     return {
         "networks": int(differences.size),
         "mean": difference_interval(
@@ -94,7 +93,7 @@ def against(first: FloatArray, second: FloatArray, seed: int) -> Record:
         ).to_record(),
         "wilcoxon_p": _wilcoxon(differences),
         "sd": sd,
-        "smallest_detectable": None if detectable is None else detectable.difference,
+        "smallest_detectable": detectable_between(differences),
     }
 
 
