@@ -32,6 +32,24 @@ def test_stages_run_after_their_inputs_and_only_once(tmp_path, processes):
     assert again.artefacts == outcome.artefacts
 
 
+def test_what_stands_first_is_finished_first_so_that_a_stop_leaves_whole_parts(tmp_path):
+    chains = [
+        stage
+        for part in range(3)
+        for stage in (
+            Stage(name=f"part/{part}", kind=toy_stages.KINDS["number"], config={"n": part}),
+            Stage(
+                name=f"total/{part}",
+                kind=toy_stages.KINDS["total"],
+                inputs={"parts": (f"part/{part}",)},
+            ),
+        )
+    ]
+    run(tmp_path, chains[:1] + chains[4:])
+    _, observer = run(tmp_path, chains)
+    assert observer.started == ["total/0", "part/1", "total/1"]
+
+
 def test_only_what_a_change_touches_runs_again(tmp_path):
     run(tmp_path, graph(n=1))
     _, observer = run(tmp_path, graph(n=5))

@@ -68,7 +68,7 @@ class GraphRunner:
     root
         The output folder.
     stages
-        The graph, in any order.
+        The graph. Of stages that could start, the first in this order does.
     executor
         Where stages run.
     observer
@@ -92,7 +92,8 @@ class GraphRunner:
         self._depot = depot or ArtefactStore(root=root)
         self._retries = retries
         self._lost: Counter[str] = Counter()
-        self._waiting = check_graph(stages)
+        self._waiting = check_graph(stages := tuple(stages))
+        self._places = {stage.name: place for place, stage in enumerate(stages)}
         self._executor = executor
         self._observer = observer
         self._finished: dict[str, Artefact] = {}
@@ -165,10 +166,10 @@ class GraphRunner:
             self._observer.stage_reused(found)
 
     def _start_ready(self) -> None:
-        for name, key in list(self._missing.items()):
+        for name in sorted(self._missing, key=self._places.__getitem__):
             if len(self._running) >= self._executor.slots or self._stopping:
                 return
-            del self._missing[name]
+            key = self._missing.pop(name)
             stage = self._waiting.pop(name)
             self._observer.stage_started(name)
             self._running[name] = (stage, self._executor.submit(self._task(stage, key)))
