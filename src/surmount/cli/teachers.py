@@ -20,6 +20,7 @@ def teachers(
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")],
     headroom: bool = False,
     tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME")] = (),
+    measured: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
     workers: WorkerOptions = Workers(),  # noqa: B008 - frozen
 ) -> int:
     """Run a comparison of teachers, network by network, and say what can be said so far.
@@ -32,6 +33,8 @@ def teachers(
         out: Folder for networks, trials and the page.
         headroom: Run only uniform tasks and the oracle, on the pilot's networks.
         tasks: Names of the tasks to run; all of the plan if left out.
+        measured: comparison.json of networks measured before, perhaps on another machine; those of
+            the same settings are taken over and not run again.
         workers: Where stages run.
     """
     with PartProgress() as telling:
@@ -41,6 +44,8 @@ def teachers(
         from surmount.core.records import write_record
         from surmount.studies.teachers.graph import comparison_stages
         from surmount.studies.teachers.judging import judge
+        from surmount.studies.teachers.outcomes import NOTHING, read_earlier
+        from surmount.studies.teachers.outcomes import measured as measured_in
         from surmount.studies.teachers.page import write_page
         from surmount.studies.teachers.plan import read_plan
         from surmount.studies.teachers.reading import answer
@@ -58,13 +63,28 @@ def teachers(
             remedy=f"Choose among {', '.join(one.label for one in plans)}.",
         )
     chosen = [one for one in plans if not tasks or one.label in tasks]
-    graph = comparison_stages(chosen, headroom_only=headroom)
+    earlier, others = ({}, []) if measured is None else read_earlier(measured, plans)
     console = SafeConsole()
+    for sentence in others:
+        console.print(sentence)
+    graph = comparison_stages(
+        chosen,
+        headroom_only=headroom,
+        known=lambda plan, teacher, network: earlier.get(plan.label, NOTHING).has(teacher, network),
+    )
     with sole_user(out):
         outcome = run_graph(
             out, graph, workers.make, console, store=workers.store, retries=workers.retries
         )
-        record = judge(plans, outcome.artefacts)
+        record = judge(
+            plans,
+            {
+                one.label: measured_in(one, outcome.artefacts).with_earlier(
+                    earlier.get(one.label, NOTHING)
+                )
+                for one in plans
+            },
+        )
         with output_errors(out):
             write_record(out / RECORD, {**record, **provenance()})
             page = write_page(record, out)

@@ -68,3 +68,8 @@ def test_a_toy_comparison_runs_and_goes_on_where_it_stopped(tmp_path):
     logged = (out / "logs" / "run.log").read_text(encoding="utf-8")
     assert logged.count("rstar/all/initiation/network-0: finished") == 1
     assert logged.count("rstar/all/teach/plr/network-1: finished") == 1
+    # On another machine, with what this one has measured: nothing is run, and all is judged alike.
+    elsewhere = ["teachers", str(file), "--out", str(tmp_path / "elsewhere"), "--processes", "0"]
+    assert run([*elsewhere, "--measured", str(out / "comparison.json")]) == 0
+    assert read_record(tmp_path / "elsewhere" / "comparison.json")["tasks"] == [task]
+    assert not (tmp_path / "elsewhere" / "stages").exists()

@@ -13,9 +13,10 @@ from surmount.core.errors import ConfigError, InputError
 from surmount.core.records import write_record
 from surmount.envs.family import NoSettings
 from surmount.studies.teachers.figure import differences_figure, network_differences
-from surmount.studies.teachers.graph import arms, comparison_stages
-from surmount.studies.teachers.judging import _adjust, _returns, against, worst
+from surmount.studies.teachers.graph import arms, comparison_stages, recipe
+from surmount.studies.teachers.judging import _adjust, against, judge, worst
 from surmount.studies.teachers.learning import oracle_tasks, steps_of
+from surmount.studies.teachers.outcomes import Arm, Outcome, measured, read_earlier
 from surmount.studies.teachers.page import document_of
 from surmount.studies.teachers.plan import ORACLE, read_plan
 from surmount.studies.teachers.reading import answer, verdict, winners
@@ -56,7 +57,8 @@ def test_stages_stand_network_by_network_with_one_seed_for_all_teachers(tmp_path
     assert [stage.config["teacher"] for stage in learnt[:4]] == [
         "uniform", "frontier", "alp-gmm", ORACLE,
     ]  # fmt: skip
-    assert arms(plans[0], 2) == ("uniform", "frontier", "alp-gmm")  # after the pilot
+    after_the_pilot = [teacher for network, teacher in arms(plans[0]) if network == 2]
+    assert after_the_pilot == ["uniform", "frontier", "alp-gmm"]
     seeds = {stage.name.rsplit("-", 1)[1]: set() for stage in learnt}
     for stage in learnt:
         seeds[stage.name.rsplit("-", 1)[1]].add(stage.seed)
@@ -65,6 +67,99 @@ def test_stages_stand_network_by_network_with_one_seed_for_all_teachers(tmp_path
     assert learnt[1].config["teaching"]["frontier"]["target"] == 0.5
     analyses = [stage for stage in stages if stage.kind.name == "analysis"]
     assert [len(stage.inputs["trials"]) for stage in analyses] == [1, 1, 1]
+
+
+LOTS = PLAN.replace('["frontier", "alp-gmm"]', '[["frontier"], ["alp-gmm", "uniform"]]')
+
+
+def test_a_lot_of_teachers_is_run_on_all_networks_before_the_next(tmp_path):
+    (plan,) = plan_of(tmp_path, LOTS)
+    assert plan.lots == (("uniform", "frontier"), ("alp-gmm",))
+    assert list(arms(plan)) == [
+        *((network, name) for network in (0, 1) for name in ("uniform", "frontier", ORACLE)),
+        (2, "uniform"), (2, "frontier"),
+        *((network, "alp-gmm") for network in range(3)),
+    ]  # fmt: skip
+    taught = [s.config["teacher"] for s in comparison_stages([plan]) if "/teach/" in s.name]
+    assert taught == [name for _, name in arms(plan)]
+
+
+def outcome_of(**networks: int) -> Outcome:
+    """Return made-up success of the first so many networks of teachers on three variants."""
+    rng = np.random.default_rng(0)
+    return Outcome(
+        arms={
+            name.replace("_", "-"): Arm(success=dict(enumerate(rng.uniform(size=(count, 3)))))
+            for name, count in networks.items()
+        },
+        initial=Arm(success=dict.fromkeys(range(3), np.zeros(3))),
+        trial_steps={0: 900, 1: 1100, 2: 1000},
+    )
+
+
+def test_of_a_lot_those_networks_are_judged_that_all_of_it_have(tmp_path):
+    (plan,) = plan_of(tmp_path, LOTS)
+    outcome = outcome_of(uniform=3, frontier=3, alp_gmm=2)
+    del outcome.arm("frontier").success[0]
+    record = judge([plan], {plan.label: outcome})
+    (task,) = record["tasks"]
+    judged = {one["name"]: one["judged"] for one in task["teachers"]}
+    assert judged == {"uniform": [0, 1, 2], "frontier": [1, 2], "alp-gmm": [0, 1]}
+    assert [one["against"] and one["against"]["networks"] for one in task["teachers"]] == [
+        None, 2, 2,
+    ]  # fmt: skip
+    # Together in one lot, only network 1 is whole; of the headroom alone the reference is told.
+    (plan,) = plan_of(tmp_path)
+    (task,) = judge([plan], {plan.label: outcome})["tasks"]
+    assert [one["judged"] for one in task["teachers"]] == [[1]] * 3
+    assert [one["against"] for one in task["teachers"]] == [None] * 3
+    assert sorted(task["teachers"][0]["success"]) == ["0", "1", "2"]  # nothing measured is lost
+    (task,) = judge([plan], {plan.label: outcome_of(uniform=2, oracle=2)})["tasks"]
+    assert task["teachers"][0]["summary"]["networks"] == 2
+    page = document_of({"tasks": [judge([plan], {plan.label: outcome})["tasks"][0]]})
+    costs = page.sections[1].blocks[0].notes[1]
+    assert costs.startswith("Of 9,216 steps trials cost 11\xa0% (10\xa0% to 12\xa0%), paid by f")
+
+
+def test_networks_measured_elsewhere_are_taken_over_and_not_run_again(tmp_path):
+    plans = plan_of(tmp_path)
+    elsewhere = outcome_of(uniform=3, frontier=2, alp_gmm=2, oracle=2)
+    file = tmp_path / "comparison.json"
+    write_record(file, judge(plans, {plans[0].label: elsewhere}))
+    found, others = read_earlier(file, plans)
+    assert others == []
+    taken = found[plans[0].label]
+    for name, arm in elsewhere.arms.items():
+        for network, rates in arm.success.items():
+            np.testing.assert_array_equal(taken.arm(name).success[network], rates)
+    assert taken.trial_steps == elsewhere.trial_steps
+    left = comparison_stages(plans, known=lambda _, *one: taken.has(*one))
+    assert [stage.name.rsplit("/teach/")[1] for stage in left if "/teach/" in stage.name] == [
+        "frontier/network-2", "alp-gmm/network-2",
+    ]  # fmt: skip
+    assert {stage.name[-1] for stage in left} == {"2"}  # whole networks need no initiation either
+    # What is measured here goes before; what is only there stays.
+    here = Outcome(arms={"frontier": Arm(success={1: np.ones(3), 2: np.ones(3)})})
+    joined = here.with_earlier(taken)
+    assert [float(rates.mean()) == 1.0 for rates in joined.arm("frontier").success.values()] == [
+        False, True, True,
+    ]  # fmt: skip
+    # Another setting of one teacher is another recipe, of this teacher alone.
+    changed = plan_of(tmp_path, PLAN.replace('target" = 0.5', 'target" = 0.4'))
+    found, others = read_earlier(file, changed)
+    assert sorted(found[plans[0].label].arms) == ["alp-gmm", "oracle", "uniform"]
+    assert len(others) == 1
+    assert "`frontier`" in others[0]
+    assert recipe(plans[0], "frontier") != recipe(changed[0], "frontier")
+    longer = plan_of(tmp_path, PLAN.replace("9216", "18432"))
+    assert read_earlier(file, longer)[0][plans[0].label].arms == {}
+
+
+def test_what_is_no_comparison_is_refused_with_a_remedy(tmp_path):
+    file = tmp_path / "comparison.json"
+    write_record(file, {"schema": 1, "tasks": [{"name": "suite/point-mass"}]})
+    with pytest.raises(InputError, match="of this version"):
+        read_earlier(file, plan_of(tmp_path))
 
 
 def test_headroom_alone_runs_the_reference_and_the_oracle_on_the_pilot(tmp_path):
@@ -147,12 +242,17 @@ def task_of(headroom: float, **gains: float) -> dict:
         "role": "held out",
         "planned": {"networks": 20, "pilot": 20, "budget_steps": 1},
         "headroom": against(*scores(headroom), 0),
+        "trial_steps": {},
         "ablations": {"frontier-cells": against(*scores(0.1), 0)},
         "teachers": [
             {
                 "name": name,
                 "title": name,
                 "success": {},
+                "returns": {},
+                "judged": [],
+                "pays_for_trials": False,
+                "published_returns": None,
                 "summary": None,
                 "against": against(*scores(gain, seed=index), 0),
             }
@@ -197,6 +297,7 @@ def test_the_figure_of_differences_holds_every_network_of_both():
     reference = {"name": "uniform", "title": "Uniform", "against": None}
     reference["success"] = {"0": [0.2, 0.4], "3": [0.5, 0.5]}
     task["teachers"][0]["success"] = {"0": [0.5, 0.5], "2": [1.0, 1.0], "3": [0.25, 0.5]}
+    task["teachers"][0]["judged"] = [0, 3]
     task["teachers"].append(reference)
     found = network_differences(task)
     assert [row[:2] for row in found] == [("good", 0), ("good", 3)]
@@ -271,18 +372,10 @@ def test_returns_on_the_targets_stand_beside_the_published_ones(tmp_path):
             write_record(tmp_path / name, {"schema": 1, "returns": [5.0, 7.0]})
             return tmp_path / name
 
-    found = _returns(
-        plan,
-        "currot",
-        {
-            returns_name: Stored()
-            for returns_name in ("suite/point-mass-target/returns/currot/network-1",)
-        },
-    )
-    assert found == {"networks": [6.0], "published": [6.0, 6.3]}
-    assert _returns(plan, "frontier", {}) is None
-    task = task_of(0.2, good=0.1)
-    task["teachers"][0]["returns"] = found
+    name = "suite/point-mass-target/returns/currot/network-1"
+    found = measured(plan, {name: Stored()})
+    assert found.arm("currot").returns == {1: 6.0}
+    (task,) = judge([plan], {plan.label: found})["tasks"]
     assert document_of({"tasks": [task]}).sections[1].blocks[-1].rows == (
-        ("good", "1", "6.00", "6.00 to 6.00", "6.0 to 6.3"),
+        ("CURROT", "1", "6.00", "6.00 to 6.00", "6.0 to 6.3"),
     )

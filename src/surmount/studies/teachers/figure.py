@@ -92,9 +92,12 @@ def network_differences(task: Record) -> list[tuple[str, int, float]]:
         (teacher["success"] for teacher in teachers if teacher["name"] == REFERENCE), {}
     )
     return [
-        (teacher["title"], int(network), float(np.mean(rates) - np.mean(reference[network])))
+        (
+            teacher["title"],
+            network,
+            float(np.mean(teacher["success"][str(network)]) - np.mean(reference[str(network)])),
+        )
         for teacher in teachers
         if (found := teacher["against"]) is not None and found["mean"]["lower"] is not None
-        for network, rates in teacher["success"].items()
-        if network in reference
+        for network in teacher["judged"]
     ]

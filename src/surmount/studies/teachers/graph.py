@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from surmount.core.configuration import key_record
+from surmount.core.records import record_hash
 from surmount.experiment import kinds
 from surmount.experiment.task_part import stage_seed, task_part
 from surmount.experiment.trial_stages import trial_stages
@@ -29,11 +30,16 @@ def stage_name(plan: TaskPlan, kind: str, network: int) -> str:
     return f"{plan.label}/{per_network(kind, network)}"
 
 
-def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False) -> list[Stage]:
-    """Return all stages; those of one network stand together.
+def comparison_stages(
+    plans: Sequence[TaskPlan],
+    *,
+    headroom_only: bool = False,
+    known: Callable[[TaskPlan, str, int], bool] = lambda *_: False,
+) -> list[Stage]:
+    """Return all stages; those of one network stand together, lot of teachers by lot.
 
-    A comparison that runs out of time then lacks whole networks, and no teacher more than another.
-    Every network has an analysis of its own, so that networks are independent.
+    A comparison that runs out of time then lacks whole networks, and no teacher of a lot more than
+    another. Every network has an analysis of its own, so that networks are independent.
 
     Parameters
     ----------
@@ -41,6 +47,9 @@ def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False)
         One per task.
     headroom_only
         Leave out all but the reference and the oracle, and all networks after the pilot.
+    known
+        Whether a teacher's network is measured already, and needs no stages; of task, teacher and
+        network.
 
     Raises
     ------
@@ -51,12 +60,24 @@ def comparison_stages(plans: Sequence[TaskPlan], *, headroom_only: bool = False)
         space = plan.config.family.space(plan.config.env)
         for name in plan.teachers:
             require_space(name, space, plan.teaching)
-    return [
-        stage
-        for plan in plans
-        for network in range(plan.pilot if headroom_only else plan.networks)
-        for stage in _network(plan, network, headroom_only=headroom_only)
-    ]
+    stages: dict[str, Stage] = {}
+    for plan in plans:
+        for network, teacher in arms(plan, headroom_only=headroom_only):
+            if not known(plan, teacher, network):
+                for stage in (*_initial(plan, network), *_taught(plan, teacher, network)):
+                    stages[stage.name] = stage
+    return list(stages.values())
+
+
+def arms(plan: TaskPlan, *, headroom_only: bool = False) -> Iterator[tuple[int, str]]:
+    """Yield networks and their teachers in the order they run; the oracle has the pilot's alone."""
+    for lot in plan.lots[:1] if headroom_only else plan.lots:
+        for network in range(plan.pilot if headroom_only else plan.networks):
+            first = lot is plan.lots[0]
+            for teacher in (REFERENCE,) if headroom_only else lot:
+                yield network, teacher
+            if first and network < plan.pilot:
+                yield network, ORACLE
 
 
 def returns_of(teacher: str) -> str:
@@ -64,60 +85,85 @@ def returns_of(teacher: str) -> str:
     return f"returns/{teacher}"
 
 
-def arms(plan: TaskPlan, network: int, *, headroom_only: bool = False) -> tuple[str, ...]:
-    """Return the teachers of a network; the oracle teaches those of the pilot alone."""
-    teachers = (REFERENCE,) if headroom_only else plan.teachers
-    return (*teachers, ORACLE) if network < plan.pilot else teachers
+def recipe(plan: TaskPlan, teacher: str) -> str:
+    """Return a hash of all that a teacher's networks are trained and tested by, but roundings.
+
+    It is the same on every machine, where keys of stages hold what their inputs came to.
+    """
+    stages = (*_initial(plan, 0), *_taught(plan, teacher, 0))
+    return record_hash(
+        [
+            {
+                "kind": stage.kind.name,
+                "version": stage.kind.version,
+                "config": stage.config,
+                "seed": stage.seed,
+            }
+            for stage in stages
+        ]
+    )
 
 
-def _network(plan: TaskPlan, network: int, *, headroom_only: bool) -> Iterator[Stage]:
+def _initial(plan: TaskPlan, network: int) -> Iterator[Stage]:
+    """Yield what all teachers of a network share: initiation, trials and analysis."""
     config, record = plan.config, key_record(plan.config)
-    train = task_part(config) | {key: record[key] for key in ("learner", "checkpoint_steps")}
     initial = stage_name(plan, INITIATION, network)
     yield Stage(
         name=initial,
         kind=kinds.INITIATION,
-        config=train | {"initial_steps": record["initial_steps"]},
+        config=_training(plan) | {"initial_steps": record["initial_steps"]},
         seed=_seed(plan, INITIATION, network),
     )
     tried = stage_name(plan, TRIALS[INITIATION], network)
     yield from trial_stages(config, tried, record["trials"], network, initial)
-    analysed = stage_name(plan, ANALYSIS, network)
     harder = config.analysis.harder or config.family.space(config.env).harder or ()
     yield Stage(
-        name=analysed,
+        name=stage_name(plan, ANALYSIS, network),
         kind=kinds.ANALYSIS,
         config={"analysis": record["analysis"] | {"harder": list(harder)}},
         seed=_seed(plan, ANALYSIS, network),
         inputs={"trials": (tried,)},
     )
-    for teacher in arms(plan, network, headroom_only=headroom_only):
-        learnt = stage_name(plan, taught(teacher), network)
+
+
+def _taught(plan: TaskPlan, teacher: str, network: int) -> Iterator[Stage]:
+    """Yield what one teacher makes of a network: training and tests."""
+    config, record = plan.config, key_record(plan.config)
+    learnt = stage_name(plan, taught(teacher), network)
+    yield Stage(
+        name=learnt,
+        kind=LEARN,
+        config=_training(plan)
+        | {key: record[key] for key in ("advancement", "analysis")}
+        | {
+            "teacher": teacher,
+            "budget_steps": plan.budget_steps,
+            "towards": plan.towards,
+            "teaching": _settings(plan, teacher),
+        },
+        # One seed for all teachers of a network: pairs differ by what is taught alone.
+        seed=_seed(plan, "teach", network),
+        inputs={
+            "network": (stage_name(plan, INITIATION, network),),
+            "trials": (stage_name(plan, TRIALS[INITIATION], network),),
+            "analysis": (stage_name(plan, ANALYSIS, network),),
+        },
+    )
+    tested = stage_name(plan, taught_trials(teacher), network)
+    yield from trial_stages(config, tested, record["tests"], network, learnt)
+    if plan.towards == "target":
         yield Stage(
-            name=learnt,
-            kind=LEARN,
-            config=train
-            | {key: record[key] for key in ("advancement", "analysis")}
-            | {
-                "teacher": teacher,
-                "budget_steps": plan.budget_steps,
-                "towards": plan.towards,
-                "teaching": _settings(plan, teacher),
-            },
-            # One seed for all teachers of a network: pairs differ by what is taught alone.
-            seed=_seed(plan, "teach", network),
-            inputs={"network": (initial,), "trials": (tried,), "analysis": (analysed,)},
+            name=stage_name(plan, returns_of(teacher), network),
+            kind=RETURNS,
+            config=task_part(config) | {"learner": record["learner"]},
+            seed=_seed(plan, "returns", network),
+            inputs={"network": (learnt,)},
         )
-        tested = stage_name(plan, taught_trials(teacher), network)
-        yield from trial_stages(config, tested, record["tests"], network, learnt)
-        if plan.towards == "target":
-            yield Stage(
-                name=stage_name(plan, returns_of(teacher), network),
-                kind=RETURNS,
-                config=task_part(config) | {"learner": record["learner"]},
-                seed=_seed(plan, "returns", network),
-                inputs={"network": (learnt,)},
-            )
+
+
+def _training(plan: TaskPlan) -> dict[str, Any]:
+    record = key_record(plan.config)
+    return task_part(plan.config) | {key: record[key] for key in ("learner", "checkpoint_steps")}
 
 
 def _seed(plan: TaskPlan, kind: str, network: int) -> int:

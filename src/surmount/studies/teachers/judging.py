@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from surmount.core.arrays import BoolArray, FloatArray
+from surmount.core.arrays import FloatArray
 from surmount.core.seeds import derive_seed
-from surmount.experiment.stages import pooled_trials
-from surmount.experiment.statistics import success_matrix
 from surmount.stats.bootstrap import Bootstrap
 from surmount.stats.detectable import detectable_between
 from surmount.stats.differences import network_difference
@@ -23,12 +21,10 @@ from surmount.stats.evidence import (
     probability_of_improvement,
 )
 from surmount.stats.holm import holm
-from surmount.studies.teachers.graph import returns_of, stage_name
+from surmount.studies.teachers.graph import recipe
+from surmount.studies.teachers.outcomes import NOTHING, Outcome, judged_variants
 from surmount.studies.teachers.plan import ORACLE, REFERENCE, TaskPlan
-from surmount.studies.teachers.returns import mean_returns
 from surmount.teachers.catalogue import find_teacher
-from surmount.workflow.run_layout import INITIATION, TRIALS, taught_trials
-from surmount.workflow.store import Artefact
 
 LEVEL = 0.05
 """Two-sided level of all tests, after Holm."""
@@ -43,19 +39,22 @@ ABLATED, ABLATIONS = "frontier", ("frontier-cells", "frontier-parameters")
 Record = dict[str, Any]
 
 
-def judge(plans: Sequence[TaskPlan], artefacts: Mapping[str, Artefact]) -> Record:
+def judge(plans: Sequence[TaskPlan], outcomes: Mapping[str, Outcome]) -> Record:
     """Return the record of a comparison, as far as it has got.
+
+    Of each lot of teachers those networks are judged that all of the lot have; the record holds the
+    others, too.
 
     Parameters
     ----------
     plans
         One per task.
-    artefacts
-        Finished stages by name.
+    outcomes
+        What their networks came to, by the task's label.
     """
-    tasks = [_task(plan, artefacts) for plan in plans]
+    tasks = [_task(plan, outcomes.get(plan.label, NOTHING)) for plan in plans]
     _adjust(tasks)
-    return {"kind": "comparison of teachers", "schema": 1, "tasks": tasks}
+    return {"kind": "comparison of teachers", "schema": 2, "tasks": tasks}
 
 
 def worst(scores: FloatArray) -> FloatArray:
@@ -97,12 +96,16 @@ def against(first: FloatArray, second: FloatArray, seed: int) -> Record:
     }
 
 
-def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
+def _task(plan: TaskPlan, outcome: Outcome) -> Record:
     seed = derive_seed(plan.config.seed, "judging", plan.label)
-    names = (*plan.teachers, ORACLE)
-    found = {name: _scores(plan, taught_trials(name), artefacts) for name in names}
-    reference = found[REFERENCE]
-    initial = _scores(plan, TRIALS[INITIATION], artefacts)
+    judged = {name: outcome.whole(lot) for lot in plan.lots for name in lot}
+    reference = outcome.arm(REFERENCE).success
+    # Of the headroom alone no lot is whole: the reference is then told by itself.
+    judged[REFERENCE] = sorted({network for own in judged.values() for network in own} or reference)
+    found = {
+        name: {network: outcome.arm(name).success[network] for network in judged[name]}
+        for name in plan.teachers
+    }
     space = plan.config.family.space(plan.config.env)
     return {
         "name": plan.label,
@@ -115,8 +118,9 @@ def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
         },
         "parameters": list(space.parameters),
         "variants": space.variants[judged_variants(plan)].tolist(),
-        "initial": _listed(initial),
-        "headroom": _against(found[ORACLE], reference, seed),
+        **outcome.initial_record(),
+        "oracle": _arm_record(plan, outcome, ORACLE),
+        "headroom": _against(outcome.arm(ORACLE).success, reference, seed),
         "ablations": {
             name: _against(found[ABLATED], found[name], seed)
             for name in ABLATIONS
@@ -126,10 +130,12 @@ def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
             {
                 "name": name,
                 "title": find_teacher(name).title,
-                "success": _listed(found[name]),
+                **_arm_record(plan, outcome, name),
+                "published_returns": _published(plan, name),
+                "pays_for_trials": find_teacher(name).by_trials,
+                "judged": judged[name],
                 "summary": _summary(found[name], seed),
-                "below_initial": _below(found[name], initial),
-                "returns": _returns(plan, name, artefacts),
+                "below_initial": _below(found[name], outcome.initial.success),
                 "against": None if name == REFERENCE else _against(found[name], reference, seed),
             }
             for name in plan.teachers
@@ -137,37 +143,14 @@ def _task(plan: TaskPlan, artefacts: Mapping[str, Artefact]) -> Record:
     }
 
 
-def _returns(plan: TaskPlan, teacher: str, artefacts: Mapping[str, Artefact]) -> Record | None:
-    """Return what each network ended at on the target tasks, beside what was published."""
-    names = [stage_name(plan, returns_of(teacher), network) for network in range(plan.networks)]
-    found = mean_returns(names, artefacts)
+def _arm_record(plan: TaskPlan, outcome: Outcome, teacher: str) -> Record:
+    return {"recipe": recipe(plan, teacher), **outcome.arm(teacher).to_record()}
+
+
+def _published(plan: TaskPlan, teacher: str) -> list[float] | None:
+    """Return between what returns the authors' own runs end, where the targets are asked for."""
     published = plan.config.family.published_returns().get(teacher)
-    if not found:
-        return None
-    return {"networks": found, "published": None if published is None else list(published)}
-
-
-def judged_variants(plan: TaskPlan) -> BoolArray:
-    """Return which variants count: all, or those among the target tasks; ``(variant,)``."""
-    family = plan.config.family
-    variants = family.space(plan.config.env).variants
-    target = family.target(plan.config.env) if plan.towards == "target" else None
-    if target is None:
-        return np.ones(len(variants), dtype=np.bool_)
-    lower, upper = target.lower[:, None], target.upper[:, None]
-    inside = ((lower <= variants) & (variants <= upper)).all(axis=2).any(axis=0)
-    return np.asarray(inside, dtype=np.bool_)
-
-
-def _scores(plan: TaskPlan, kind: str, artefacts: Mapping[str, Artefact]) -> dict[int, FloatArray]:
-    """Return the success of each finished network on every variant that counts."""
-    counts = judged_variants(plan)
-    names = {network: stage_name(plan, kind, network) for network in range(plan.networks)}
-    return {
-        network: success_matrix(pooled_trials((artefacts[name],)))[0][counts]
-        for network, name in names.items()
-        if name in artefacts
-    }
+    return None if published is None or plan.towards == "range" else list(published)
 
 
 def _below(scores: Mapping[int, FloatArray], initial: Mapping[int, FloatArray]) -> int:
@@ -177,10 +160,6 @@ def _below(scores: Mapping[int, FloatArray], initial: Mapping[int, FloatArray]) 
         for network, rates in scores.items()
         if network in initial
     )
-
-
-def _listed(scores: Mapping[int, FloatArray]) -> dict[str, list[float]]:
-    return {str(network): rates.tolist() for network, rates in scores.items()}
 
 
 def _summary(scores: Mapping[int, FloatArray], seed: int) -> Record | None:

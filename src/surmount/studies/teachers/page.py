@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surmount.report.document.parts import Block, Column, Document, Paragraph, Section, Table
-from surmount.report.document.text import percent, signed
+from surmount.report.document.text import listed, percent, signed
 from surmount.report.writing import write_document
 from surmount.studies.teachers.figure import differences_figure
 from surmount.studies.teachers.judging import MARGIN, has_headroom
@@ -64,7 +64,7 @@ def document_of(record: Record) -> Document:
 
 
 def _most(task: Record) -> int:
-    return max((len(teacher["success"]) for teacher in task["teachers"]), default=0)
+    return max((len(teacher["judged"]) for teacher in task["teachers"]), default=0)
 
 
 def _choice_table(tasks: Sequence[Record]) -> Table:
@@ -81,8 +81,11 @@ def _choice_table(tasks: Sequence[Record]) -> Table:
             verdict(teacher),
         )
         for task in tasks
-        for teacher in task["teachers"]
-        if (found := teacher["against"]) is not None
+        for teacher in sorted(
+            (one for one in task["teachers"] if one["against"]),
+            key=lambda one: -one["against"]["mean"]["estimate"],
+        )
+        if (found := teacher["against"])
     ]
     return Table(
         label="",
@@ -188,21 +191,35 @@ def _score_table(task: Record) -> Table:
             Column(heading="below their initial network", numeric=True),
         ),
         rows=tuple(rows),
-        notes=(said,),
+        notes=(said, *_costs(task)),
     )
+
+
+def _costs(task: Record) -> list[str]:
+    """Say what trials cost the teachers that need them."""
+    steps = list(task["trial_steps"].values())
+    payers = [one["title"] for one in task["teachers"] if one["pays_for_trials"]]
+    if not steps or not payers:
+        return []
+    budget = task["planned"]["budget_steps"]
+    mean, least, most = (percent(one(steps) / budget) for one in (np.mean, min, max))
+    cost = f"Of {budget:,} steps trials cost {mean} ({least} to {most})"
+    return [f"{cost}, paid by {listed(payers)}."]
 
 
 def _returns_table(task: Record) -> Table | None:
     rows = [
         (
             teacher["title"],
-            str(len(found["networks"])),
-            f"{np.mean(found['networks']):.2f}",
-            f"{min(found['networks']):.2f} to {max(found['networks']):.2f}",
-            "" if found["published"] is None else "{:.1f} to {:.1f}".format(*found["published"]),
+            str(len(found)),
+            f"{np.mean(found):.2f}",
+            f"{min(found):.2f} to {max(found):.2f}",
+            "{:.1f} to {:.1f}".format(*published)
+            if (published := teacher["published_returns"])
+            else "",
         )
         for teacher in task["teachers"]
-        if (found := teacher.get("returns")) is not None
+        if (found := list(teacher["returns"].values()))
     ]
     if not rows:
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -38,8 +38,9 @@ class TaskPlan:
         Whether teachers are judged or tuned on it, or a published value is looked for.
     towards
         What is wanted in the end, and judged: the whole range, or the family's target tasks.
-    teachers
-        Names in the catalogue, the reference first.
+    lots
+        Names of teachers in the catalogue, the reference first. All networks of a lot are run
+        before those of the next.
     networks, pilot
         Networks in all, and of the pilot, on which headroom and spread are judged.
     budget_steps
@@ -54,22 +55,27 @@ class TaskPlan:
     label: str
     role: Role
     towards: Towards
-    teachers: tuple[str, ...]
+    lots: tuple[tuple[str, ...], ...]
     networks: int
     pilot: int
     budget_steps: int
     config: ExperimentConfig
     teaching: TeachersConfig
 
+    @property
+    def teachers(self) -> tuple[str, ...]:
+        """Names of all teachers, lot after lot."""
+        return tuple(name for lot in self.lots for name in lot)
+
 
 def read_plan(path: Path) -> tuple[TaskPlan, ...]:
     """Read a TOML file with a table ``task`` for each task, and ``teaching`` for all.
 
-    Each ``[[task]]`` holds ``name``, ``role``, ``teachers``, ``networks``, ``pilot``,
-    ``budget_steps``, a table ``common`` of dotted keys to change in the paper's preset, and, if
-    wanted, ``towards`` (``"range"`` or ``"target"``) and ``settings``, a list of tables of dotted
-    keys that are each tried as a task of their own. ``[teaching]`` holds dotted keys of the
-    teachers' settings for all.
+    Each ``[[task]]`` holds ``name``, ``role``, ``teachers`` (names, or lists of names: lots that
+    run one after the other), ``networks``, ``pilot``, ``budget_steps``, a table ``common`` of
+    dotted keys to change in the paper's preset, and, if wanted, ``towards`` (``"range"`` or
+    ``"target"``) and ``settings``, a list of tables of dotted keys that are each tried as a task of
+    their own. ``[teaching]`` holds dotted keys of the teachers' settings for all.
 
     Raises
     ------
@@ -115,9 +121,7 @@ def _task(table: Mapping[str, Any], teaching: TeachersConfig, setting: int) -> T
             f"{name} has {networks} networks, a pilot of {pilot} and {budget} steps.",
             remedy="Let the pilot have at least 2 networks, not more than there are, and steps.",
         )
-    teachers = tuple(dict.fromkeys([REFERENCE, *table["teachers"]]))
-    for teacher in teachers:
-        find_teacher(teacher)
+    lots = _lots(table["teachers"])
     config = configured(preset(name, "paper"), {**common, "networks": networks})
     label = config.task if towards == "range" else f"{config.task}-{towards}"
     if len(table.get("settings", [])) > 1:
@@ -127,10 +131,24 @@ def _task(table: Mapping[str, Any], teaching: TeachersConfig, setting: int) -> T
         label=label,
         role=role,
         towards=towards,
-        teachers=teachers,
+        lots=lots,
         networks=networks,
         pilot=pilot,
         budget_steps=budget,
         config=fingerprinted(config),
         teaching=teaching,
+    )
+
+
+def _lots(teachers: Sequence[Any]) -> tuple[tuple[str, ...], ...]:
+    """Return lots of teachers, the reference first of all and none twice."""
+    lots = teachers if teachers and not isinstance(teachers[0], str) else [teachers]
+    placed = {REFERENCE: 0}
+    for index, lot in enumerate(lots):
+        for teacher in lot:
+            find_teacher(teacher)
+            placed.setdefault(teacher, index)
+    return tuple(
+        tuple(name for name, place in placed.items() if place == index)
+        for index in sorted(set(placed.values()))
     )

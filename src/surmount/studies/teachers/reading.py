@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
+from surmount.report.document.text import listed
 from surmount.studies.teachers.judging import LEVEL, MARGIN, has_headroom
 
 Verdict = Literal["helps", "harms", "no harm", "not sure", "not run"]
@@ -67,7 +68,7 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     compared = any(teacher["against"] for task in judged for teacher in task["teachers"])
     if won:
         first = (
-            f"Over uniform tasks {_listed([titles[name] for name in won])} "
+            f"Over uniform tasks {listed([titles[name] for name in won])} "
             f"{'helps' if len(won) == 1 else 'help'} on at least one held-out task and "
             f"{'harms' if len(won) == 1 else 'harm'} on none."
         )
@@ -77,14 +78,14 @@ def answer(tasks: Sequence[Record]) -> list[str]:
         first = "No teacher is shown to help over uniform tasks on a held-out task without harm."
     flat = [task["title"] for task in judged if task["headroom"] and not has_headroom(task)]
     second = (
-        f"Even half of the tasks from the hard ones gain nothing sure on {_listed(flat)}: there no "
+        f"Even half of the tasks from the hard ones gain nothing sure on {listed(flat)}: there no "
         "teacher has much to win."
         if flat
         else "On every held-out task that was run, more of the hard tasks would gain."
     )
     unrun = [task["title"] for task in judged if not task["headroom"]]
     if unrun:
-        second = f"{second} Not run: {_listed(unrun)}."
+        second = f"{second} Not run: {listed(unrun)}."
     open_ = [
         (found["smallest_detectable"], task["title"])
         for task in judged
@@ -103,7 +104,3 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     else:
         third = "No comparison is left unsure."
     return [first, second, third]
-
-
-def _listed(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

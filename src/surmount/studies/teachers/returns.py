@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -109,13 +108,9 @@ RETURNS = StageKind(name="study-returns", function=measure_returns)
 """Stages of the comparison that measure returns on target tasks."""
 
 
-def mean_returns(names: Sequence[str], artefacts: Mapping[str, Artefact]) -> list[float]:
-    """Return the mean return of each network whose stage, by its name, has finished."""
-    return [
-        float(np.mean(_stored(artefacts[name].path(RETURNS_FILE))))
-        for name in names
-        if name in artefacts
-    ]
+def mean_return(artefact: Artefact) -> float:
+    """Return the mean return that a stage has measured."""
+    return float(np.mean(_stored(artefact.path(RETURNS_FILE))))
 
 
 def _stored(path: Path) -> list[float]:
