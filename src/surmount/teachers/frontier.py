@@ -224,7 +224,8 @@ class FrontierTeacher(AdaptiveTeacher):
         ):
             return
         names = self._groups.names
-        said = f"success {success[main]:.0%} over {self._record.total[main]} episodes"
+        seen = int(self._record.total[main])
+        said = f"success {success[main]:.0%} over {seen} episode{'s' * (seen != 1)}"
         if self._record.most_new_successes < self._config.first_successes:
             said = "hardly anything succeeds yet, so groups are ranked by the way covered"
         after = ""

@@ -19,7 +19,7 @@ from surmount.studies.teachers.learning import oracle_tasks, steps_of
 from surmount.studies.teachers.outcomes import Arm, Outcome, measured, read_earlier
 from surmount.studies.teachers.page import document_of
 from surmount.studies.teachers.plan import ORACLE, read_plan
-from surmount.studies.teachers.reading import answer, verdict, winners
+from surmount.studies.teachers.reading import answer, readings, verdict, winners
 from surmount.studies.teachers.returns import discounted_returns
 from surmount.suite.families import PointMassFamily
 from surmount.tasks.space import TaskSpace
@@ -281,10 +281,12 @@ def test_outcomes_are_read_as_the_plan_says():
     assert winners(tasks) == ["good"]
     first, second, _ = answer(tasks)
     assert first.startswith("Over uniform tasks good helps")
+    assert "good by +10.0 (" in first
+    assert first.endswith(" points (20 networks) on Task.")
     assert "gain nothing sure on Task" in second
     page = document_of({"tasks": tasks})
     assert page.summary == tuple(answer(tasks))
-    table, ablations = page.sections[0].blocks[-2:]
+    table, ablations = page.sections[0].blocks[-3:-1]
     # One comparison on the only task with headroom: Holm leaves its p value as it is.
     only = tasks[0]["ablations"]["frontier-cells"]
     assert only["holm_p"] == only["wilcoxon_p"]
@@ -314,7 +316,37 @@ def test_nobody_wins_where_one_task_is_harmed():
     tasks = [task_of(0.2, good=0.1), task_of(0.2, good=-0.2)]
     _adjust(tasks)
     assert winners(tasks) == []
-    assert answer(tasks)[0].startswith("No teacher is shown to help")
+    first = answer(tasks)[0]
+    assert first.startswith("No teacher is shown to help")
+    assert "nearest is good with +10.0" in first
+
+
+def reading_of(ablated: float = 0.0, name: str = "t", **gains: float) -> list[str]:
+    task = task_of(0.2, **{name.replace("_", "-"): gain for name, gain in gains.items()})
+    task["ablations"] = {"frontier-cells": against(*scores(ablated, seed=9), 0)}
+    task["name"] = name
+    _adjust([task])
+    return readings([task])
+
+
+def test_each_outcome_is_said_in_the_words_of_the_plan():
+    wins = reading_of(frontier=0.1, alp_gmm=0.1)
+    assert wins[0] == ("Task: frontier wins here; it is what we recommend on tasks of this kind.")
+    assert "not shown to be better than frontier-cells" in wins[1]
+    assert wins[1].endswith("pooling by groups is an explanation and not a gain.")
+    assert len(wins) == 2
+    assert "what that lacks is a gain" in reading_of(0.1, frontier=0.1)[1]
+    assert "is behind frontier-cells" in reading_of(-0.1, frontier=0.1)[1]
+    (recommended,) = reading_of(frontier=0.0, alp_gmm=0.1)
+    assert recommended.startswith("Task: alp-gmm is recommended; groups by behaviour are readable")
+    (nobody,) = reading_of(frontier=0.0, alp_gmm=0.0)
+    assert "no teacher that was tried is shown to find what the oracle shows" in nobody
+    assert reading_of(mastery=0.1, paper=0.0)[-1].startswith("Task: the test that ends levels")
+    assert len(reading_of(mastery=0.1, paper=0.1)) == 1
+    assert "and there alone" in reading_of(name="rstar/shuffled", frontier=0.1)[-1]
+    flat = task_of(0.0, good=0.1)
+    _adjust([flat])
+    assert readings([flat]) == []  # no headroom: no claim of merit
 
 
 def test_headroom_alone_is_not_called_a_comparison():

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from surmount.report.document.parts import Block, Column, Document, Paragraph, Section, Table
-from surmount.report.document.text import listed, percent, signed
+from surmount.report.document.text import listed, percent
 from surmount.report.writing import write_document
 from surmount.studies.teachers.figure import differences_figure
 from surmount.studies.teachers.judging import MARGIN, has_headroom
-from surmount.studies.teachers.reading import answer, verdict
+from surmount.studies.teachers.reading import answer, difference, points, readings, verdict
 from surmount.studies.teachers.returns import EPISODES
 
 NAME = "comparison"
@@ -39,6 +39,7 @@ def document_of(record: Record) -> Document:
         *([] if (figure := differences_figure(tasks)) is None else [figure]),
         _choice_table(tasks),
         *([] if (ablations := _ablation_table(tasks)) is None else [ablations]),
+        *(Paragraph(text=said) for said in readings(tasks)),
     ]
     return Document(
         title="Which teacher helps where",
@@ -73,8 +74,8 @@ def _choice_table(tasks: Sequence[Record]) -> Table:
             task["title"],
             teacher["title"],
             str(found["networks"]),
-            _difference(found["mean"]),
-            signed(100 * found["worst"]),
+            difference(found["mean"]),
+            points(found["worst"]),
             percent(found["probability_of_improvement"]["estimate"]),
             f"{found.get('holm_p', found['wilcoxon_p']):.3f}",
             _detectable(found),
@@ -120,7 +121,7 @@ def _ablation_table(tasks: Sequence[Record]) -> Table | None:
             task["title"],
             name,
             str(found["networks"]),
-            _difference(found["mean"]),
+            difference(found["mean"]),
             f"{found.get('holm_p', found['wilcoxon_p']):.3f}",
             _detectable(found),
         )
@@ -146,13 +147,6 @@ def _ablation_table(tasks: Sequence[Record]) -> Table | None:
     )
 
 
-def _difference(mean: Record) -> str:
-    estimate = signed(100 * mean["estimate"])
-    if mean["lower"] is None:
-        return estimate
-    return f"{estimate} ({signed(100 * mean['lower'])} to {signed(100 * mean['upper'])})"
-
-
 def _detectable(found: Record) -> str:
     smallest = found["smallest_detectable"]
     return "none" if smallest is None else f"{100 * smallest:.0f}"
@@ -176,7 +170,7 @@ def _score_table(task: Record) -> Table:
     if headroom is not None:
         verb = "tells" if has_headroom(task) else "does not tell"
         said = (
-            f"The oracle gains {_difference(headroom['mean'])} points over uniform tasks in "
+            f"The oracle gains {difference(headroom['mean'])} points over uniform tasks in "
             f"{headroom['networks']} networks, which {verb} that there is something to win."
         )
     return Table(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from surmount.report.document.text import listed
-from surmount.studies.teachers.judging import LEVEL, MARGIN, has_headroom
+from surmount.report.document.text import MINUS, listed
+from surmount.studies.teachers.judging import ABLATED, LEVEL, MARGIN, has_headroom
 
 Verdict = Literal["helps", "harms", "no harm", "not sure", "not run"]
 """Of one teacher on one task, see :func:`verdict`."""
@@ -65,17 +65,26 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     titles = {teacher["name"]: teacher["title"] for task in tasks for teacher in task["teachers"]}
     won = winners(tasks)
     judged = [task for task in tasks if task["role"] == "held out"]
-    compared = any(teacher["against"] for task in judged for teacher in task["teachers"])
+    compared = [
+        (found["mean"]["estimate"], teacher, task)
+        for task in judged
+        for teacher in task["teachers"]
+        if (found := teacher["against"])
+    ]
     if won:
         first = (
             f"Over uniform tasks {listed([titles[name] for name in won])} "
             f"{'helps' if len(won) == 1 else 'help'} on at least one held-out task and "
-            f"{'harms' if len(won) == 1 else 'harm'} on none."
+            f"{'harms' if len(won) == 1 else 'harm'} on none: {listed(_helped(judged, won))}."
         )
     elif not compared:
         first = "No teacher has been run beside uniform tasks yet: this is the headroom alone."
     else:
-        first = "No teacher is shown to help over uniform tasks on a held-out task without harm."
+        _, best, task = max(compared, key=lambda one: one[0])
+        first = (
+            "No teacher is shown to help over uniform tasks on a held-out task without harm; "
+            f"nearest is {best['title']} with {gain(best['against'])} on {task['title']}."
+        )
     flat = [task["title"] for task in judged if task["headroom"] and not has_headroom(task)]
     second = (
         f"Even half of the tasks from the hard ones gain nothing sure on {listed(flat)}: there no "
@@ -86,15 +95,13 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     unrun = [task["title"] for task in judged if not task["headroom"]]
     if unrun:
         second = f"{second} Not run: {listed(unrun)}."
-    open_ = [
-        (found["smallest_detectable"], task["title"])
-        for task in judged
-        for teacher in task["teachers"]
-        if (found := teacher["against"]) and verdict(teacher) == "not sure"
-        and found["smallest_detectable"] is not None
-    ]  # fmt: skip
     if not compared:
         return [first, second]
+    open_ = [
+        (teacher["against"]["smallest_detectable"], task["title"])
+        for _, teacher, task in compared
+        if verdict(teacher) == "not sure" and teacher["against"]["smallest_detectable"] is not None
+    ]
     if open_:
         largest, where = max(open_)
         third = (
@@ -104,3 +111,112 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     else:
         third = "No comparison is left unsure."
     return [first, second, third]
+
+
+def readings(tasks: Sequence[Record]) -> list[str]:
+    """Return what the plan says to each outcome, in its order and for each task in turn.
+
+    Read are the held-out tasks that have headroom and teachers (plan.md, *How each outcome will be
+    read*). On the others no claim of merit is made.
+    """
+    read = [
+        task
+        for task in tasks
+        if task["role"] == "held out"
+        and has_headroom(task)
+        and any(teacher["against"] for teacher in task["teachers"])
+    ]
+    return [f"{task['title']}: {said}" for task in read for said in _readings_of(task, tasks)]
+
+
+SHUFFLED = "rstar/shuffled"
+"""The task whose parameters say nothing about what is alike."""
+OURS = ("frontier", "mastery")
+"""The teachers that practise groups by behaviour, without the paper's test of growth."""
+
+
+def _readings_of(task: Record, tasks: Sequence[Record]) -> list[str]:
+    teachers = {teacher["name"]: teacher for teacher in task["teachers"] if teacher["against"]}
+    titles = {name: teacher["title"] for name, teacher in teachers.items()}
+    helping = [name for name, teacher in teachers.items() if verdict(teacher) == "helps"]
+    said = [
+        f"{titles[name]} wins here; it is what we recommend on tasks of this kind."
+        for name in OURS
+        if name in helping and name in winners(tasks)
+    ]
+    others = [name for name in helping if name not in OURS and name in winners(tasks)]
+    if others and not set(OURS) & set(helping):
+        said.append(
+            f"{listed([titles[name] for name in others])} {'is' if len(others) == 1 else 'are'} "
+            "recommended; groups by behaviour are readable and not shown to be better than uniform "
+            "tasks."
+        )
+    if ABLATED in helping:
+        said += [
+            _ablated(titles.get(name, name), meant, found)
+            for name, meant in _MEANT.items()
+            if (found := task["ablations"].get(name)) is not None
+        ]
+    elsewhere = [one for other in tasks if other is not task for one in other["teachers"]]
+    if (
+        task["name"] == SHUFFLED
+        and ABLATED in helping
+        and not any(one["name"] == ABLATED and verdict(one) == "helps" for one in elsewhere)
+    ):
+        said.append(
+            "behaviour helps where the parameters mislead, and there alone, which is what was "
+            "claimed of it."
+        )
+    if {"paper", "mastery"} <= teachers.keys() and ("paper" in helping) != ("mastery" in helping):
+        said.append("the test that ends levels matters more than their order.")
+    if not helping:
+        least = max((one["against"]["smallest_detectable"] or 0.0) for one in teachers.values())
+        said.append(
+            "no teacher that was tried is shown to find what the oracle shows is there; "
+            f"{100 * least:.0f} points would have been found in four of five cases."
+        )
+    return said
+
+
+_MEANT = {
+    "frontier-cells": "the gain is that of valuing what is half learnt; pooling by groups is an "
+    "explanation and not a gain",
+    "frontier-parameters": "any groups do; behaviour is not what helps on this task",
+}
+"""What it means that the frontier is not shown to be better than itself without an idea."""
+
+
+def _ablated(title: str, meant: str, found: Record) -> str:
+    sure = found.get("holm_p", found["wilcoxon_p"]) < LEVEL
+    if sure and found["mean"]["estimate"] > 0:
+        return f"the frontier is ahead of {title} by {gain(found)}: what that lacks is a gain."
+    if sure:
+        return f"the frontier is behind {title} by {gain(found)}: {meant}."
+    return f"the frontier is not shown to be better than {title} ({gain(found)}): {meant}."
+
+
+def _helped(tasks: Sequence[Record], names: Sequence[str]) -> list[str]:
+    return [
+        f"{teacher['title']} by {gain(teacher['against'])} on {task['title']}"
+        for task in tasks
+        for teacher in task["teachers"]
+        if teacher["name"] in names and verdict(teacher) == "helps"
+    ]
+
+
+def gain(found: Record) -> str:
+    """Return a paired difference with its interval and the number of pairs, in points."""
+    return f"{difference(found['mean'])} points ({found['networks']} networks)"
+
+
+def difference(mean: Record) -> str:
+    """Return a difference of shares with its interval, in points."""
+    estimate = points(mean["estimate"])
+    if mean["lower"] is None:
+        return estimate
+    return f"{estimate} ({points(mean['lower'])} to {points(mean['upper'])})"
+
+
+def points(share: float) -> str:
+    """Return a difference of shares in points with one decimal and its sign: ``"+9.4"``."""
+    return f"{100 * share:+.1f}".replace("-", MINUS)
