@@ -144,6 +144,10 @@ def test_networks_measured_elsewhere_are_taken_over_and_not_run_again(tmp_path):
     assert [float(rates.mean()) == 1.0 for rates in joined.arm("frontier").success.values()] == [
         False, True, True,
     ]  # fmt: skip
+    assert joined.arm("frontier").elsewhere == {0}
+    (task,) = judge(plans, {plans[0].label: joined})["tasks"]
+    notes = document_of({"tasks": [task]}).sections[1].blocks[0].notes
+    assert notes[-1].startswith("6 networks of all teachers together were taken over")
     # Another setting of one teacher is another recipe, of this teacher alone.
     changed = plan_of(tmp_path, PLAN.replace('target" = 0.5', 'target" = 0.4'))
     found, others = read_earlier(file, changed)
@@ -251,6 +255,7 @@ def task_of(headroom: float, **gains: float) -> dict:
                 "success": {},
                 "returns": {},
                 "judged": [],
+                "elsewhere": [],
                 "pays_for_trials": False,
                 "published_returns": None,
                 "summary": None,
@@ -286,12 +291,15 @@ def test_outcomes_are_read_as_the_plan_says():
     assert "gain nothing sure on Task" in second
     page = document_of({"tasks": tasks})
     assert page.summary == tuple(answer(tasks))
-    table, ablations = page.sections[0].blocks[-3:-1]
+    first_table, second_table, ablations = page.sections[0].blocks[-4:-1]
     # One comparison on the only task with headroom: Holm leaves its p value as it is.
     only = tasks[0]["ablations"]["frontier-cells"]
     assert only["holm_p"] == only["wilcoxon_p"]
     assert len(ablations.rows) == 2
-    assert [row[-1] for row in table.rows] == ["helps", "no harm", "harms", "no harm", "no harm"]
+    assert [row[:2] for row in first_table.rows] == [  # the best first
+        ("good", "helps"), ("same", "no\xa0harm"), ("bad", "harms"),
+    ]  # fmt: skip
+    assert [row[1] for row in second_table.rows] == ["no\xa0harm", "no\xa0harm"]
 
 
 def test_the_figure_of_differences_holds_every_network_of_both():

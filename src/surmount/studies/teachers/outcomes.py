@@ -36,16 +36,20 @@ class Arm:
         Share of successes on every variant that counts, ``(variant,)``.
     returns
         Mean discounted return on the target tasks; empty where these are not asked for.
+    elsewhere
+        Networks that were taken over from another folder's record.
     """
 
     success: Mapping[int, FloatArray] = field(default_factory=dict[int, FloatArray])
     returns: Mapping[int, float] = field(default_factory=dict[int, float])
+    elsewhere: frozenset[int] = frozenset()
 
     def with_earlier(self, earlier: Arm) -> Arm:
         """Return the same with networks that were measured before, where it has none."""
         return Arm(
             success=_in_order({**earlier.success, **self.success}),
             returns=_in_order({**earlier.returns, **self.returns}),
+            elsewhere=frozenset(earlier.success.keys() - self.success.keys()),
         )
 
     def to_record(self) -> Record:
@@ -53,6 +57,7 @@ class Arm:
         return {
             "success": {str(network): rates.tolist() for network, rates in self.success.items()},
             "returns": {str(network): value for network, value in self.returns.items()},
+            "elsewhere": sorted(self.elsewhere),
         }
 
 

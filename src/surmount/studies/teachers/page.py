@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surmount.report.document.parts import Block, Column, Document, Paragraph, Section, Table
-from surmount.report.document.text import listed, percent
+from surmount.report.document.text import SPACE, counted, listed, percent
 from surmount.report.writing import write_document
 from surmount.studies.teachers.figure import differences_figure
 from surmount.studies.teachers.judging import MARGIN, has_headroom
@@ -37,7 +37,7 @@ def document_of(record: Record) -> Document:
             "their reading were fixed before the runs (plan.md)."
         ),
         *([] if (figure := differences_figure(tasks)) is None else [figure]),
-        _choice_table(tasks),
+        *(_choice_table(task) for task in tasks if _compared(task)),
         *([] if (ablations := _ablation_table(tasks)) is None else [ablations]),
         *(Paragraph(text=said) for said in readings(tasks)),
     ]
@@ -56,7 +56,7 @@ def document_of(record: Record) -> Document:
                 anchor="scores",
                 title="Success",
                 blocks=(
-                    *(_score_table(task) for task in tasks),
+                    *(_score_table(task) for task in tasks if _most(task)),
                     *(table for task in tasks if (table := _returns_table(task)) is not None),
                 ),
             ),
@@ -68,48 +68,49 @@ def _most(task: Record) -> int:
     return max((len(teacher["judged"]) for teacher in task["teachers"]), default=0)
 
 
-def _choice_table(tasks: Sequence[Record]) -> Table:
+def _compared(task: Record) -> list[Record]:
+    """Return the teachers that stand beside the reference, the best first."""
+    compared = [teacher for teacher in task["teachers"] if teacher["against"]]
+    return sorted(compared, key=lambda teacher: -teacher["against"]["mean"]["estimate"])
+
+
+def _choice_table(task: Record) -> Table:
     rows = [
         (
-            task["title"],
             teacher["title"],
-            str(found["networks"]),
+            verdict(teacher).replace(" ", SPACE),
             difference(found["mean"]),
             points(found["worst"]),
             percent(found["probability_of_improvement"]["estimate"]),
             f"{found.get('holm_p', found['wilcoxon_p']):.3f}",
             _detectable(found),
-            verdict(teacher),
+            str(found["networks"]),
         )
-        for task in tasks
-        for teacher in sorted(
-            (one for one in task["teachers"] if one["against"]),
-            key=lambda one: -one["against"]["mean"]["estimate"],
-        )
+        for teacher in _compared(task)
         if (found := teacher["against"])
     ]
     return Table(
         label="",
-        title="Which to choose",
+        title=f"Which to choose on tasks like {task['title']}",
         columns=(
-            Column(heading="task"),
             Column(heading="teacher"),
-            Column(heading="pairs", numeric=True),
+            Column(heading="verdict"),
             Column(heading="mean, points", numeric=True),
-            Column(heading="worst quarter, points", numeric=True),
+            Column(heading="worst quarter", numeric=True),
             Column(heading="better", numeric=True),
             Column(heading="p", numeric=True),
-            Column(heading="detectable, points", numeric=True),
-            Column(heading="verdict"),
+            Column(heading="detectable", numeric=True),
+            Column(heading="pairs", numeric=True),
         ),
         rows=tuple(rows),
         notes=(
             (
                 "Mean: paired difference of mean success to uniform tasks with its bootstrap "
-                "interval over networks. Better: probability that a network beats one of uniform "
-                "tasks on a variant. p: Wilcoxon's, by Holm over all comparisons on held-out tasks "
-                "with headroom. Detectable: what a paired t-test finds in four of five cases. No "
-                f"harm: the interval lies above −{100 * MARGIN:.0f} points."
+                "interval over networks. Worst quarter: of the mean over each network's worst "
+                "quarter of variants, points. Better: probability that a network beats one of "
+                "uniform tasks on a variant. p: Wilcoxon's, by Holm over all comparisons on "
+                "held-out tasks with headroom. Detectable: what a paired t-test finds in four of "
+                f"five cases, points. No harm: the interval lies above −{100 * MARGIN:.0f} points."
             ),
         ),
     )
@@ -185,14 +186,22 @@ def _score_table(task: Record) -> Table:
             Column(heading="below their initial network", numeric=True),
         ),
         rows=tuple(rows),
-        notes=(said, *_costs(task)),
+        notes=(said, *_costs(task), *_taken_over(task)),
     )
+
+
+def _taken_over(task: Record) -> list[str]:
+    elsewhere = sum(len(teacher["elsewhere"]) for teacher in task["teachers"])
+    if not elsewhere:
+        return []
+    networks = counted(elsewhere, "network")
+    return [f"{networks} of all teachers together were taken over from a record, not trained here."]
 
 
 def _costs(task: Record) -> list[str]:
     """Say what trials cost the teachers that need them."""
     steps = list(task["trial_steps"].values())
-    payers = [one["title"] for one in task["teachers"] if one["pays_for_trials"]]
+    payers = [one["title"] for one in task["teachers"] if one["pays_for_trials"] and one["judged"]]
     if not steps or not payers:
         return []
     budget = task["planned"]["budget_steps"]
