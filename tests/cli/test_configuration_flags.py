@@ -45,6 +45,20 @@ def test_set_comes_over_the_file_and_the_flag_over_both(capsys, tmp_path):
     assert (found["seed"], found["networks"], found["env.robot.friction"]) == ("1", "2", "0.3")
 
 
+def test_a_file_says_the_task_and_the_preset_and_none_contradicts_it(capsys, tmp_path):
+    whole = printed(capsys, "step", "--preset", "paper")
+    file = tmp_path / "step.toml"
+    file.write_text("".join(f"{key} = {value}\n" for key, value in whole.items()), "utf-8")
+    assert printed(capsys, "--config", file) == whole
+    assert printed(capsys, "step", "--preset", "paper", "--config", file) == whole
+    for other in (("low-entrance",), ("step", "--preset=smoke")):
+        assert run(["config", *other, "--config", str(file)]) == 2
+        assert "on the command line and" in capsys.readouterr().err
+    # A file that says the preset alone has the preset's values, and not only its name.
+    file.write_text('preset = "paper"\n', "utf-8")
+    assert printed(capsys, "step", "--config", file) == whole
+
+
 def test_flags_may_stand_before_the_options_and_change_the_preset(capsys):
     found = printed(capsys, "step", "--networks", 3, "--preset", "paper")
     smoke = printed(capsys, "step", "--preset", "smoke")

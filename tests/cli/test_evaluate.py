@@ -34,7 +34,20 @@ def test_success_by_size_is_that_of_the_table_it_writes(capsys, network, tmp_pat
     assert f"Written to {out}: 6 trials" in said
 
 
+@pytest.mark.parametrize(
+    ("out", "sentence"), [("e.txt", "neither a .parquet nor"), ("e.csv", "is a folder")]
+)
+def test_where_nothing_can_be_written_nothing_is_tried(capsys, network, tmp_path, out, sentence):
+    (tmp_path / "e.csv").mkdir()
+    assert run(["evaluate", str(network), "--out", str(tmp_path / out)]) in (2, 3)
+    said = capsys.readouterr()
+    assert sentence in said.err
+    assert said.out == ""
+
+
 def test_a_file_that_is_no_network_ends_with_code_3(capsys, tmp_path):
     (tmp_path / "notes.safetensors").write_text("hello", encoding="utf-8")
     assert run(["evaluate", str(tmp_path / "notes.safetensors")]) == 3
     assert "is not a network written by Surmount" in capsys.readouterr().err
+    assert run(["evaluate", str(tmp_path)]) == 3
+    assert "is a folder" in capsys.readouterr().err

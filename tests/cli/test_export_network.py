@@ -53,5 +53,8 @@ def test_what_does_not_fit_is_refused(capsys, network, tmp_path):
     assert "is a network, and `csv` takes curricula" in said
     (tmp_path / "curriculum.json").write_text("{}", encoding="utf-8")
     code, said = export(capsys, tmp_path / "curriculum.json", "--to", "onnx", "--out", tmp_path)
+    assert code == 2
+    assert "is no network, and `onnx` takes networks" in said
+    code, said = export(capsys, tmp_path, "--to", "onnx", "--out", tmp_path)
     assert code == 3
-    assert "is not a network" in said
+    assert "delete" not in said

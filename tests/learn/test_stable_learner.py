@@ -152,6 +152,11 @@ def test_a_teacher_that_needs_a_critic_is_refused_before_the_first_step():
 def test_fields_of_the_own_ppo_are_refused_beside_another_algorithm():
     with pytest.raises(ConfigError, match=r"`learner.learning_rate` belongs to Surmount's own PPO"):
         LearnerConfig(algorithm="SAC", learning_rate=1e-3)
+    with pytest.raises(ConfigError, match=r"`learner.epochs` belongs to Surmount's own PPO"):
+        LearnerConfig(algorithm="SAC", epochs=4)
+    LearnerConfig(algorithm="SAC", batch_size=512, epochs=6)  # as runs of before hold them
+    with pytest.raises(ConfigError, match=r"There is no algorithm `SACC`"):
+        LearnerConfig(algorithm="SACC")
     with pytest.raises(ConfigError, match="belong to an algorithm chosen by its name"):
         LearnerConfig(frame_stack=4)
 

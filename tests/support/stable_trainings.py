@@ -44,9 +44,11 @@ CONTRIB = ("recurrent", "tqc", "qrdqn")
 
 
 def config_of(algorithm, arguments, more=None, **changes):
-    base = {"num_envs": 4, "rollout_steps": 16, "batch_size": 32, "hidden_layers": [16]}
-    if algorithm != "auto":
-        del base["hidden_layers"]
+    base = {"num_envs": 4, "rollout_steps": 16}
+    if algorithm in ("auto", "ppo"):
+        base |= {"batch_size": 32}
+    if algorithm == "auto":
+        base |= {"hidden_layers": [16]}
     chosen = {"algorithm": algorithm, "arguments": arguments, **(more or {}), **changes}
     return override(LearnerConfig(), base | chosen)
 

@@ -89,6 +89,12 @@ def test_refusals_to_write_become_a_sentence(tmp_path, number):
     assert caught.value.remedy
 
 
+@pytest.mark.parametrize("kind", [PermissionError, RuntimeError])
+def test_so_do_those_that_a_library_has_put_in_words(tmp_path, kind):
+    with pytest.raises(OutputError, match="may not be written"), output_errors(tmp_path):
+        raise kind("Permission denied (os error 13): file")
+
+
 def test_records_are_never_half_written(tmp_path):
     path = tmp_path / "record.json"
     write_record(path, {"a": 1})

@@ -45,7 +45,7 @@ class ConfigurationOptions:
 
     task: Annotated[Task, tyro.conf.Positional] = None
     """One of those that `surmount tasks` lists, or an environment of your own as my_module:make_env
-    (see `surmount check`); may be left out with --resume."""
+    (see `surmount check`); may be left out where --config or --resume says it."""
     preset: Preset = "smoke"
     """smoke (minutes, shows the method at work) or paper (the paper's scale, many hours)."""
     config: ConfigFile = None
@@ -121,6 +121,7 @@ def run_configured(
         )
         return 0
     changes = overrides(asked.config, asked.set)
+    asked = _agreed(asked, changes, arguments)
     for name, default in more.items():
         own = {key: changes.pop(key) for key in [*changes] if key.startswith(f"{name}.")}
         more[name] = _override_below(name, default, own)
@@ -178,6 +179,35 @@ def _displacing(arguments: Sequence[str]) -> dict[str, Any]:
         reader.add_argument(f"--{key}", f"--{key.replace('_', '-')}", dest=key)
     chosen = vars(reader.parse_known_args(arguments)[0])
     return {key: value for key, value in chosen.items() if value is not None}
+
+
+def _agreed(options: Options, changes: Mapping[str, Any], arguments: Sequence[str]) -> Options:
+    """Return options with the task and the preset that a file says; none may contradict it.
+
+    Raises
+    ------
+    ConfigError
+        If the command line says another.
+    """
+    said = {name: str(changes[name]) for name in ("task", "preset") if name in changes}
+    given = {"task": options.task is not None,
+             "preset": any(one.partition("=")[0] == "--preset" for one in arguments)}  # fmt: skip
+    for name, value in said.items():
+        asked = str(getattr(options, name))
+        same: Callable[[str], str] = _task_name if name == "task" else str
+        if given[name] and same(asked) != same(value):
+            raise ConfigError(
+                f"The {name} is {asked} on the command line and {value} in what changes the "
+                "configuration.",
+                remedy=f"Leave the {name} out of one of them.",
+            )
+    return dataclasses.replace(
+        options, **{name: value for name, value in said.items() if not given[name]}
+    )
+
+
+def _task_name(task: str) -> str:
+    return find_family(task).name
 
 
 def _resumes(options: ConfigurationOptions) -> bool:

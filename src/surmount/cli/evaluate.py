@@ -46,9 +46,12 @@ def evaluate(
     from surmount.experiment.evaluation import evaluate_network
     from surmount.learn.rollout_config import RolloutConfig
     from surmount.trials.table import write_trials
+    from surmount.trials.table_file import require_writable_kind
     from surmount.workflow.console import SafeConsole
     from surmount.workflow.store import output_errors
 
+    if out is not None:
+        require_writable_kind(out)
     torch.set_num_threads(1)  # as in a run: sums would differ in their last bits
     with telling:
         evaluation = evaluate_network(

@@ -49,6 +49,11 @@ def export(
             f"`--to {to}` does not use {' and '.join(f'`--{name}`' for name in options)}.",
             remedy="Leave it out, or give --to ml-agents.",
         )
+    if to in NETWORK_FORMATS and file.suffix == ".json":
+        raise ConfigError(
+            f"{file} is no network, and `{to}` takes networks.",
+            remedy=f"Give --to {' or '.join(FORMATS)}, or a network.safetensors.",
+        )
     if to in NETWORK_FORMATS or file.suffix == ".safetensors":
         return _export_network(file, to, out)
     curriculum = Curriculum.load(opened(file))

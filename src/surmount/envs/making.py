@@ -27,7 +27,7 @@ def make_task_env(make_env: Callable[[], object]) -> TaskEnv:
     if not isinstance(env, TaskEnv):
         raise InputError(
             f"`{name}` returned {type(env).__name__}, not a TaskEnv.",
-            remedy="Return surmount.envs.TaskEnv(env, space=…, set_task=…, success=…, features=…).",
+            remedy="Return surmount.TaskEnv(env, space=…, set_task=…, success=…, features=…).",
         )
     return env
 

@@ -117,6 +117,11 @@ def _changes(
     root: Path, config: ExperimentConfig, amended: GraphOf | None
 ) -> dict[str, tuple[Any, Any]]:
     stored = load_config(root)
+    if stored.task != config.task:
+        raise OutputError(
+            f"{root} holds a run on {stored.task}, not on {config.task}.",
+            remedy="Choose another --out folder.",
+        )
     if stored.fingerprint not in ("", config.fingerprint):  # runs of before may have none
         raise OutputError(
             f"What `{config.task}` is made from (its file, or its simulation's model) has changed "

@@ -42,15 +42,9 @@ from surmount.core.configuration import nearest
 from surmount.core.errors import ConfigError, MissingExtraError, SurmountError
 from surmount.envs.making import cause
 from surmount.envs.observations import is_image
+from surmount.learn.algorithm_names import CONTRIB, check_name, is_function
 from surmount.learn.encoders import SMALLEST_FOR_NATURE, SmallPictures, smallest_picture
 
-ON_POLICY = ("A2C", "PPO", "RecurrentPPO", "TRPO")
-"""Algorithms with roll-outs, whose critic estimates advantages."""
-OFF_POLICY = ("CrossQ", "DDPG", "DQN", "QRDQN", "SAC", "TD3", "TQC")
-"""Algorithms that learn from a buffer of past experience."""
-CONTRIB = ("CrossQ", "QRDQN", "RecurrentPPO", "TQC", "TRPO")
-"""Of these, what sb3-contrib has."""
-NAMES = tuple(sorted((*ON_POLICY, *OFF_POLICY)))
 GIVEN = ("env", "seed", "tensorboard_log", "verbose")
 """Arguments that Surmount gives itself, or has no use for."""
 NOISES: Mapping[str, Any] = MappingProxyType(
@@ -64,27 +58,6 @@ CLASSES = (torch.nn.Module, torch.optim.Optimizer, BaseBuffer, ActionNoise)
 """What a class named in arguments may be: nothing else is called with them."""
 _CLASS = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 _LINEAR = re.compile(r"linear_([\d.]+(?:e-?\d+)?)")
-
-
-def is_function(algorithm: str) -> bool:
-    """Whether an algorithm is a function of the user's."""
-    return ":" in algorithm
-
-
-def check_name(algorithm: str) -> None:
-    """Refuse a name that no algorithm has.
-
-    Raises
-    ------
-    ConfigError
-        If there is none.
-    """
-    if not is_function(algorithm) and algorithm not in NAMES:
-        raise ConfigError(
-            f"There is no algorithm `{algorithm}`.",
-            remedy=f"{nearest(algorithm, ['auto', 'ppo', *NAMES])} There are auto, ppo "
-            f"(Surmount's own), {', '.join(NAMES)}, and my_module:make_model.",
-        )
 
 
 def build_model(

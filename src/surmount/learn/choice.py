@@ -6,7 +6,7 @@ from typing import Any
 
 import gymnasium
 
-from surmount.learn.algorithms import OFF_POLICY, check_name
+from surmount.learn.algorithm_names import OFF_POLICY
 from surmount.learn.config import AUTO, OWN, LearnerConfig
 from surmount.learn.learner import Learner, TrialActor
 from surmount.learn.own_learner import OwnLearner, fits_own
@@ -62,14 +62,7 @@ def make_actor(
 
 
 def estimates_values(config: LearnerConfig) -> bool | None:
-    """Whether the learner of a configuration estimates values; ``None`` where only it can tell.
-
-    Raises
-    ------
-    ConfigError
-        If there is no such algorithm.
-    """
+    """Whether the learner of a configuration estimates values; ``None`` where only it can tell."""
     if config.uses_own_fields:
         return True
-    check_name(config.algorithm)
     return None if ":" in config.algorithm else config.algorithm not in OFF_POLICY

@@ -8,6 +8,7 @@ from typing import Literal
 
 from surmount.core.configuration import Arguments, absent
 from surmount.core.errors import ConfigError
+from surmount.learn.algorithm_names import check_name
 
 POSITIVE = (
     "num_envs",
@@ -36,11 +37,11 @@ OF_ALL = (
     "frame_stack",
     "num_envs",
     "rollout_steps",
-    "batch_size",
-    "epochs",
     "decay_steps",
 )
-"""Fields that an algorithm chosen by its name reads, or that presets change."""
+"""Fields that an algorithm chosen by its name reads."""
+_OF_BEFORE = {"batch_size": 512, "epochs": 6}
+"""What runs of before hold beside such an algorithm, which reads neither."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,8 +262,10 @@ class LearnerConfig:
                     remedy='Give its name too, such as `learner.algorithm = "PPO"`.',
                 )
             return
+        check_name(self.algorithm)
         for one in fields(self):
-            if one.name not in OF_ALL and getattr(self, one.name) != one.default:
+            value = getattr(self, one.name)
+            if one.name not in OF_ALL and value not in (one.default, _OF_BEFORE.get(one.name)):
                 raise ConfigError(
                     f"`learner.{one.name}` belongs to Surmount's own PPO, and `learner.algorithm` "
                     f"is {self.algorithm}.",

@@ -81,6 +81,11 @@ class Snapshot:
         IntegrityError
             If it was to be sealed, and was changed after it was written.
         """
+        if not sealed and not path.is_file():
+            raise InputError(
+                f"{path} {'is a folder' if path.is_dir() else 'does not exist'}.",
+                remedy="Give a network's file, such as stages/…/network.safetensors of a run.",
+            )
         try:
             with safe_open(path, framework="numpy") as file:
                 metadata = cast("dict[str, str]", file.metadata() or {})
@@ -94,8 +99,7 @@ class Snapshot:
                 raise _damaged(path) from error
             raise InputError(
                 f"{path} is not a network written by Surmount ({error}).",
-                remedy="Give a `network.safetensors`; if it was damaged, delete its folder and "
-                "run again.",
+                remedy="Give a `network.safetensors` that a run has made.",
             ) from error
         if sealed and metadata.get("seal") != _seal(tensors, metadata["surmount"]):
             raise _damaged(path)

@@ -22,7 +22,8 @@ from stable_baselines3.common.vec_env import (
 )
 
 from surmount.core.errors import InputError
-from surmount.learn.algorithms import OFF_POLICY, build_model, is_function
+from surmount.learn.algorithm_names import OFF_POLICY, is_function
+from surmount.learn.algorithms import build_model
 from surmount.learn.fed_env import FedVecEnv
 from surmount.learn.learner import Acts
 from surmount.learn.model_state import POLICY, put_statistics, wrappers

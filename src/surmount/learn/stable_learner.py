@@ -24,7 +24,8 @@ from stable_baselines3.common.vec_env import (
 
 from surmount.core.errors import ConfigError, LearningError
 from surmount.envs.making import cause
-from surmount.learn.algorithms import build_model, is_function
+from surmount.learn.algorithm_names import is_function
+from surmount.learn.algorithms import build_model
 from surmount.learn.experience import keeps_infos, put_experience, take_experience
 from surmount.learn.faults import is_sound_policy
 from surmount.learn.model_state import (

@@ -39,7 +39,7 @@ def write_report(root: Path | str) -> Path:
     InputError
         If an artefact does not have the form that this version reads.
     MissingExtraError
-        If the extras ``report`` and ``tables`` are not installed.
+        If the extra ``report`` is not installed.
     """
     with extras_told():
         from surmount.report.writing import write_run_report  # noqa: PLC0415 - an extra
@@ -69,7 +69,7 @@ def write_analysis_report(analysis_record: Mapping[str, Any], root: Path | str) 
     OutputError
         If the folder cannot be written.
     MissingExtraError
-        If the extras ``report`` and ``tables`` are not installed.
+        If the extra ``report`` is not installed.
     """
     with extras_told():
         from surmount.report.writing import write_analysis_page  # noqa: PLC0415 - an extra

@@ -93,8 +93,8 @@ class ReplayTeacher(AdaptiveTeacher):
         if episode.value_error is None:
             raise InputError(
                 "Prioritised level replay needs the value error of each episode.",
-                remedy="Train by an actor-critic learner: `surmount.learn.Trainer`, or PPO or A2C "
-                "of Stable-Baselines3 with the callback.",
+                remedy="Train by an actor-critic learner: `surmount.learn.trainer.Trainer`, or PPO "
+                "or A2C of Stable-Baselines3 with the callback.",
             )
         cell = self._cells.locate(episode.task)
         self._score[cell] = episode.value_error

@@ -95,6 +95,8 @@ def require_writable_kind(path: Path) -> None:
             f"{path} is neither a .parquet nor a .csv file.",
             remedy="Name a table that ends in .parquet or .csv.",
         )
+    if path.is_dir():
+        raise InputError(f"{path} is a folder.", remedy="Give the name of a file.")
 
 
 def write_columns(

@@ -377,7 +377,7 @@ def output_errors(root: Path) -> Generator[None]:
 
 def _errno(error: Exception) -> int | None:
     """Return the operating system's number of an error, also where a library wrapped it."""
-    if isinstance(error, OSError):
+    if isinstance(error, OSError) and error.errno is not None:
         return error.errno
     wrapped = re.search(r"\(os error (\d+)\)", str(error))  # as Rust's libraries print it
     return int(wrapped[1]) if wrapped else None

@@ -95,6 +95,7 @@ def motions(wanted: Wanted) -> Iterator[Motion]:
             remedy=f"Give {', '.join(OBSTACLES)}, or a path that exists. {near}",
         )
     if path.suffix == NETWORK_SUFFIX:
+        _refuse(wanted, "a network's file", stage="--stage")
         return _by_network(wanted, path, *home(path))
     if path.suffix in TABLE_SUFFIXES:
         return _logged(wanted, path, *home(path))
