@@ -113,6 +113,16 @@ def test_arrays_by_trial_are_read():
         trials_from_arrays([one[0] for one in arrays], variant=[1, 1, 2, 2], **told)
 
 
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("fx", "of two"), ("success", "of no"), ("trial", "of no"), ("network", "of no")],
+)
+def test_no_array_of_features_takes_the_name_of_another_column(name, why):
+    told = {"success": [1, 0], "variant": [1, 2], "feature_names": ["fx", name]}
+    with pytest.raises(InputError, match=f"`{name}` is the name {why} feature"):
+        trials_from_arrays([np.zeros((3, 2))] * 2, **told)
+
+
 def lerobot(**changes) -> dict:
     """Rebuilt from the columns of LeRobot's data sets, version 2.1; three episodes, two tasks."""
     columns = {

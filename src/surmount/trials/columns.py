@@ -13,6 +13,11 @@ FILE_COLUMN = "surmount.file"
 """Column that holds the name of the file a row is from, where there are several."""
 
 
+def is_own_column(name: str) -> bool:
+    """Whether a table of trials has a column of this name that holds no feature."""
+    return name in ("variant", *KEYS) or name.startswith("variant.")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Columns:
     """Which columns of a log hold what; what is not named is found by its name.
@@ -57,7 +62,7 @@ class Columns:
 
     def __post_init__(self) -> None:
         for name in self.features:
-            if name in ("variant", *KEYS) or name.startswith("variant.") or name in self.variant:
+            if is_own_column(name) or name in self.variant:
                 what = "a task parameter" if name in self.variant else "a column of its own"
                 raise ConfigError(
                     f"A feature cannot be named `{name}`, which is {what} in a table of trials.",

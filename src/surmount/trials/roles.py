@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surmount.core.names import LONGEST_NAME, is_printable
-from surmount.trials.columns import FILE_COLUMN, KEYS, TIME, Columns
+from surmount.trials.columns import FILE_COLUMN, KEYS, TIME, Columns, is_own_column
 from surmount.trials.table_problems import Problems
 
 _KNOWN = {
@@ -95,7 +95,9 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
     features = dict(columns.features)
     if not features:
         taken = {*parameters.values(), *found.values(), FILE_COLUMN}
-        features = {name: name for name in names if name not in taken}
+        left = [name for name in names if name not in taken]
+        notes += [_left_out(name, parameters, found) for name in left if is_own_column(name)]
+        features = {name: name for name in left if not is_own_column(name)}
         indices = [name for name in features if _INDEX_OF_ROWS.fullmatch(name)]
         if indices:
             notes.append(
@@ -130,6 +132,14 @@ def _is_there(column: str, present: set[str]) -> bool:
 
 def _known(key: str, present: set[str]) -> str:
     return next((name for name in _KNOWN[key] if name in present), "")
+
+
+def _left_out(name: str, parameters: Mapping[str, str], found: Mapping[str, str]) -> str:
+    """Say why a column is no feature though nothing is read from it: another has its role."""
+    columns = [found[name]] if name in found else list(parameters.values())
+    role = {"success": "outcome", "variant": "task parameter"}.get(name.partition(".")[0], name)
+    verb = " is" if len(columns) == 1 else "s are"
+    return f"`{name}` was left out: the {role}{verb} {_listed(columns)}."
 
 
 def _lerobot_features(features: Mapping[str, str], notes: list[str]) -> dict[str, str]:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.axis import axes_to_record
+from surmount.core.errors import InputError
 from surmount.trials.checksum import without_panics
 from surmount.trials.columns import Columns
 from surmount.trials.frame_columns import open_frame
@@ -101,14 +102,21 @@ def write_trials(path: Path | str, trials: Trials) -> None:
     Raises
     ------
     InputError
-        If the path ends neither in ``.parquet`` nor in ``.csv``.
+        If the path ends neither in ``.parquet`` nor in ``.csv``, or a feature has the name of
+        another column.
     """
     axes = axes_to_record(trials.axes, trials.parameters)
     write_columns(Path(path), trials_to_table(trials), axes)
 
 
 def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
-    """Return trials as columns of equal length, one row per control step; names stay names."""
+    """Return trials as columns of equal length, one row per control step; names stay names.
+
+    Raises
+    ------
+    InputError
+        If a feature has the name of another column.
+    """
     lengths = trials.lengths
     table: dict[str, np.ndarray[Any, Any]] = {}
     for index, (name, axis) in enumerate(zip(trials.parameters, trials.axes, strict=True)):
@@ -122,6 +130,11 @@ def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
     table["trial"] = np.repeat(trials.repetition, lengths)
     table["success"] = np.repeat(trials.success, lengths)
     for index, name in enumerate(trials.feature_names):
+        if name in table:
+            raise InputError(
+                f"The feature `{name}` has the name of another column of a table of trials.",
+                remedy="Give the feature another name.",
+            )
         table[name] = trials.features[:, index]
     return table
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.errors import InputError
+from surmount.trials.columns import is_own_column
 from surmount.trials.table import trials_from_table
 from surmount.trials.trials import Trials
 
@@ -40,8 +41,10 @@ def trials_from_arrays(
     ------
     InputError
         If there are not as many entries as trials, an array has not as many columns as there are
-        names, or the table that they make has problems.
+        names, a name is given twice or means something else in a table of trials, or the table
+        that they make has problems.
     """
+    _check_names(feature_names)
     arrays = [np.asarray(one, dtype=np.float64) for one in features]
     width = len(feature_names)
     for place, one in enumerate(arrays):
@@ -74,3 +77,13 @@ def trials_from_arrays(
     stacked = np.concatenate(arrays) if arrays else np.empty((0, width))
     table |= {name: stacked[:, place] for place, name in enumerate(feature_names)}
     return trials_from_table(table, source="The arrays of trials")
+
+
+def _check_names(names: Sequence[str]) -> None:
+    """Refuse names that two features share, or that a table of trials has for something else."""
+    for place, name in enumerate(names):
+        if name in names[:place] or is_own_column(name):
+            why = "of two features" if name in names[:place] else "of no feature in such a table"
+            raise InputError(
+                f"`{name}` is the name {why}.", remedy="Give each feature a name of its own."
+            )
