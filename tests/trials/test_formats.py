@@ -7,6 +7,7 @@ import gzip
 import io
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -76,6 +77,25 @@ def test_parquet_arrow_and_feather_are_read(tmp_path):
     frame().write_ipc(tmp_path / "t.feather", compression="lz4")
     for name in ("t.parquet", "t.arrow", "t.feather"):
         sound(read_trials(tmp_path / name))
+
+
+@pytest.mark.parametrize("name", ["run[12]", "exp[lr=0.1]", "run*", "run?"])
+@pytest.mark.parametrize("ending", ["csv", "csv.zst", "parquet", "arrow"])
+def test_a_path_is_a_path_and_no_pattern(tmp_path, name, ending):
+    folder = tmp_path / "a[b]"
+    folder.mkdir()
+    write = {
+        "csv": pl.DataFrame.write_csv,
+        "csv.zst": partial(pl.DataFrame.write_csv, compression="zstd"),
+        "parquet": pl.DataFrame.write_parquet,
+        "arrow": pl.DataFrame.write_ipc,
+    }[ending]
+    for other in ("run1", "run2"):
+        with (folder / f"{other}.{ending}").open("wb") as file:
+            write(frame().with_columns(fx=pl.lit(9.0)), file)
+    with (folder / f"{name}.{ending}").open("wb") as file:
+        write(frame(), file)
+    sound(read_trials(folder / f"{name}.{ending}"))
 
 
 class OnlyArrow:

@@ -71,6 +71,7 @@ def open_csv(path: Path) -> Source:
         skip_lines=skipped,
         separator=separator,
         schema=dict.fromkeys(names, pl.String),
+        glob=False,
     )
     # As a column: as a predicate it takes time quadratic in the number of columns.
     marked = whole.with_columns(pl.any_horizontal(pl.all().is_not_null()).alias(_FILLED))
@@ -104,6 +105,7 @@ def _head(content: Path | bytes) -> str:
             n_rows=20,
             infer_schema=False,
             truncate_ragged_lines=True,
+            glob=False,
         )
         return "\n".join(str(line or "") for line in lines.to_series()) + "\n"
     opened = gzip.open if content.suffix == ".gz" else io.open
