@@ -347,6 +347,64 @@ def test_outcomes_in_other_words_are_refused_with_what_to_do(tmp_path):
     assert "--success-word" in str(caught.value)
 
 
+OUTCOMES = "variant{0}network{0}trial{0}end{0}x\n1{0}0{0}0{0}{1}{0}1\n2{0}0{0}0{0}{2}{0}2\n"
+
+
+def ended(folder: Path, separator: str, one: str, another: str, **told):
+    path = folder / "t.csv"
+    path.write_text(OUTCOMES.format(separator, one, another), encoding="utf-8")
+    return read_trials(path, columns=Columns(success="end", **told))
+
+
+def test_rewards_with_decimal_commas_are_above_a_number_or_not(tmp_path):
+    assert ended(tmp_path, ";", "0", "0,9", success_above=0.5).success.tolist() == [False, True]
+    assert ended(tmp_path, ";", "0,51", "-9,5", success_above=0.5).success.tolist() == [True, False]
+    with pytest.raises(InputError, match=r"row 2: `end` is not a number \(timeout\)") as caught:
+        ended(tmp_path, ";", "0,9", "timeout", success_above=0.5)
+    assert "--success" in caught.value.remedy
+    with pytest.raises(InputError, match=r"row 1: `end` is not a number \(0,9\)"):
+        ended(tmp_path, ",", '"0,9"', "1", success_above=0.5)
+
+
+@pytest.mark.parametrize("above", [np.nan, np.inf])
+def test_no_outcome_is_above_what_is_no_number(above):
+    with pytest.raises(ConfigError, match=f"`success_above` is {above}"):
+        Columns(success_above=above)
+
+
+def test_words_of_success_that_no_trial_has_are_told_with_those_there_are(tmp_path):
+    with pytest.raises(InputError, match="no `end` is reachd: there are fell, reached") as caught:
+        ended(tmp_path, ",", "reached", "fell", success_words=("reachd",))
+    assert "--success-word" in caught.value.remedy
+    trials = ended(tmp_path, ",", "Reached ", "fell", success_words=("reached", "partly"))
+    assert trials.success.tolist() == [True, False]
+    assert trials.notes == ("No `end` is partly: there are Reached, fell.",)
+
+
+@pytest.mark.parametrize("word", ["2", "2.0"])
+def test_codes_of_success_are_compared_as_numbers(tmp_path, word):
+    code = {"success": pl.Series([1.0, 2.0, 3.0, None]), "trial": pl.Series([0, 0, 1, 1])}
+    columns = Columns(success_words=(word,))
+    table = frame().with_columns(variant=1, network=0, **code)
+    assert trials_from_table(table, columns=columns).success.tolist() == [True, False]
+    for one in ("2", "2.0", "2.00"):
+        trials = ended(tmp_path, ",", one, "1", success_words=(word,))
+        assert trials.success.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "values", [[[1, 2]] * 4, np.arange(4).astype("m8[s]"), [{"a": 1}] * 4, [object()] * 4]
+)
+@pytest.mark.parametrize(
+    "told", [{}, {"success_above": 0.5}, {"success_words": ("a",)}], ids=["plain", "above", "words"]
+)
+def test_outcomes_that_are_neither_numbers_nor_words_are_told_by_their_rows(values, told):
+    table = frame().to_dict(as_series=False) | {"success": values}
+    with pytest.raises(InputError, match="`success` is") as caught:
+        trials_from_table(table, columns=Columns(**told))
+    assert "damaged" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("values", "kind"), [([0.2, 0.9, 0.4, 1.0], "a reward or a share"), ([3, 1, 2, 0], "a code")]
 )

@@ -113,7 +113,10 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
             name = pl.concat_str(name, singles["trial"][0].cast(pl.String), separator=":")
         singles["trial"] = (name, pl.String())
     labels = [singles[key] for key in ("network", "trial") if key in singles]
-    survey = _Survey(source, [*features.values(), *parameters.values()], labels)
+    numbers = [*features.values(), *parameters.values()]
+    if "success" in singles and columns.success_above is not None:
+        numbers.append(singles["success"])
+    survey = _Survey(source, numbers, labels)
 
     def label(key: str) -> Field | None:
         if key not in singles:
@@ -128,7 +131,7 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
             raw=raw,
             type=kind,
             kind="number",
-            expression=outcome(raw, kind, columns),
+            expression=_outcome(roles.success, raw, kind, columns, survey),
         )
     plan = Plan(
         n_rows=survey.n_rows,
@@ -152,15 +155,17 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
     return plan
 
 
-def outcome(raw: pl.Expr, kind: Any, columns: Columns) -> pl.Expr:
+def _outcome(name: str, raw: pl.Expr, kind: Any, columns: Columns, survey: _Survey) -> pl.Expr:
     """Return outcomes as 1.0 and 0.0, null where they are missing, NaN where they are neither."""
+    if not (_is_number(kind) or _is_text(kind)):
+        return pl.when(raw.is_not_null()).then(float("nan"))
     if columns.success_words:
-        words = [word.strip().lower() for word in columns.success_words]
-        return cleaned(raw, kind).str.to_lowercase().is_in(words).cast(pl.Float64)
+        return is_any_of(columns.success_words, raw, kind).cast(pl.Float64)
     if columns.success_above is not None:
-        numbers = cleaned(raw, kind).cast(pl.Float64, strict=False) if _is_text(kind) else raw
-        above = numbers.cast(pl.Float64).fill_nan(None) > columns.success_above
-        return above.cast(pl.Float64)
+        number = _number(name, raw, kind, survey).expression.fill_nan(None)
+        there = cleaned(raw, kind) if _is_text(kind) else number
+        above = pl.coalesce((number > columns.success_above).cast(pl.Float64), float("nan"))
+        return pl.when(there.is_not_null()).then(above)
     if kind == pl.Boolean:
         return raw.cast(pl.Float64)
     if kind.is_numeric():
@@ -180,6 +185,15 @@ def outcome(raw: pl.Expr, kind: Any, columns: Columns) -> pl.Expr:
         .then(0.0)
         .otherwise(float("nan"))
     )
+
+
+def is_any_of(words: Sequence[str], raw: pl.Expr, kind: Any) -> pl.Expr:
+    """Return whether entries are any of some words, or of the numbers that these stand for."""
+    entry = cleaned(raw, kind).str.to_lowercase()
+    wanted = pl.Series([word.strip().lower() for word in words])
+    numbers = wanted.cast(pl.Float64, strict=False).drop_nulls()
+    same = entry.cast(pl.Float64, strict=False).is_in(numbers.implode())
+    return entry.is_in(wanted.implode()) | (entry.is_not_null() & same.fill_null(value=False))
 
 
 def cleaned(raw: pl.Expr, kind: Any) -> pl.Expr:

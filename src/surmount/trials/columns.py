@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -68,6 +69,11 @@ class Columns:
                     f"A feature cannot be named `{name}`, which is {what} in a table of trials.",
                     remedy="Give the feature another name.",
                 )
+        if self.success_above is not None and not math.isfinite(self.success_above):
+            raise ConfigError(
+                f"`success_above` is {self.success_above}, which no outcome is above or below.",
+                remedy="Give a number.",
+            )
         if self.success_above is not None and self.success_words:
             raise ConfigError(
                 "`success_above` and `success_words` are both given.",

@@ -19,7 +19,12 @@ from surmount.trials.row_groups import RowGroups, group_rows
 from surmount.trials.source import Source, require_memory
 from surmount.trials.table_problems import Problems
 from surmount.trials.trials import Trials
-from surmount.trials.value_problems import note_bad_labels, note_bad_numbers, note_bad_outcomes
+from surmount.trials.value_problems import (
+    note_absent_words,
+    note_bad_labels,
+    note_bad_numbers,
+    note_bad_outcomes,
+)
 
 _SAME = 1e-9
 """Relative difference below which two values of a task parameter are taken for one."""
@@ -117,8 +122,10 @@ class _Reader:
         self._frame = frame.with_columns(pl.lit(0).alias(name) for name in absent)
         before = len(problems.found)
         if plan.success:
-            note_bad_outcomes(plan.success, frame["success"], source, problems)
+            note_bad_outcomes(plan.success, frame["success"], source, columns, problems)
         self._outcomes_said = len(problems.found) == before
+        if plan.success and columns.success_words and self._outcomes_said:
+            self.notes += note_absent_words(plan.success, columns.success_words, source, problems)
         before = len(problems.found)
         for name, one in {**parameters, **labels}.items():
             if one and one.kind == "number":
