@@ -136,6 +136,19 @@ def test_a_variant_that_changes_while_time_goes_on_is_told(tmp_path):
         read_trials(tmp_path / "log.csv", columns=columns)
 
 
+def test_a_variant_that_changes_while_time_goes_on_is_told_under_standard_names_too(tmp_path):
+    path, names = tmp_path / "t.csv", "variant,network,trial,time_s,success\n"
+    path.write_text(names + "30,0,0,0.0,0\n30,0,0,0.1,0\n40,0,0,0.2,0\n40,0,0,0.3,1\n")
+    with pytest.raises(InputError, match="row 3: `variant` changes within a trial"):
+        read_trials(path)
+    path.write_text(names + "30,0,0,0.0,0\n30,0,0,0.1,0\n40,0,0,0.0,0\n40,0,0,0.1,1\n")
+    trials = read_trials(path)
+    assert trials.success.tolist() == [False, True]
+    assert trials.notes == ()
+    path.write_text(names + "30,0,0,0.0,0\n30,0,1,0.1,0\n40,0,0,0.2,0\n40,1,0,0.3,1\n")
+    assert read_trials(path).n_trials == 4  # other trials stand between
+
+
 LEFT_OVER = (
     "variant,variant.a,w,network,run,trial,ep,success,reached,x\n"
     "20,1,1,0,a,0,0,0,0,0\n20,1,1,0,b,0,1,0,1,1\n21,1,2,0,a,0,2,0,1,2\n21,1,2,0,b,0,3,0,0,3\n"

@@ -77,8 +77,8 @@ def read_source(
             "Name the column of the outcome with `--success`; a reward with `--success-above` too.",
         )
     features = reader.features(rows)
-    if columns.mapped:
-        _check_numbering(rows, reader, features)
+    if columns.mapped or TIME in plan.features:
+        _check_numbering(rows, reader, features, mapped=columns.mapped)
     network, names = reader.numbered("network", rows)
     if not all(map(is_printable, names)):
         problems.add(
@@ -307,8 +307,10 @@ def _check_variants(
             )
 
 
-def _check_numbering(rows: RowGroups, reader: _Reader, features: FloatArray) -> None:
-    """Note trials of a log whose variant changes on the way, or say that numbers repeat.
+def _check_numbering(
+    rows: RowGroups, reader: _Reader, features: FloatArray, *, mapped: bool
+) -> None:
+    """Note trials whose variant changes on the way, or say of a log that numbers repeat.
 
     Where a number of a trial comes again with another variant, the trials were numbered anew for
     each variant if time begins anew there. Without a time, they were if most numbers come again.
@@ -339,7 +341,7 @@ def _check_numbering(rows: RowGroups, reader: _Reader, features: FloatArray) -> 
         f"{_listed(tuple(reader.plan.parameters))} changes within a trial",
         "Give each trial one number: count on after each reset, also where the task changes.",
     )
-    if not same.any():
+    if mapped and not same.any():
         reader.notes.append(
             "Numbers of trials come again on other variants: those are read as other trials."
         )
