@@ -133,6 +133,40 @@ def test_an_index_of_pandas_is_no_feature(tmp_path):  # pandas 51664
     assert "`Unnamed: 0` numbers rows" in trials.notes[0]
 
 
+def test_variants_of_32_and_of_64_bits_are_not_taken_for_others(tmp_path):
+    for network, kind in enumerate((pl.Float32, pl.Float64)):
+        frame = pl.DataFrame({"variant": [0.6, 0.7, 0.8], "x": [1.0, 2.0, 3.0]})
+        told = {"network": pl.lit(network), "trial": pl.lit(0), "success": pl.lit(1)}
+        frame = frame.with_columns(pl.col("variant").cast(kind), **told)
+        frame.write_parquet(tmp_path / f"{network}.parquet")
+        assert read_trials(tmp_path / f"{network}.parquet").n_trials == 3
+    with pytest.raises(InputError, match=r"0\.6 and 0\.6000000238418579 differ by rounding only"):
+        read_trials(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("variants", "one"),
+    [
+        ([-5.55e-17, 0.0, 0.5], True),
+        ([-1.0, 5e-10, 0.0, 1.0], True),
+        ([0.1 + 0.2, 0.3, 1.0], True),
+        ([1e-12, 2e-12, 1e3], False),  # of many magnitudes, as on a logarithmic axis
+        ([10_000_000.0, 10_000_001.0], False),
+        ([1_716_800_000, 1_716_800_001], False),
+        ([0.0, 0.001, 1.0], False),
+    ],
+)
+def test_only_numbers_that_are_rounded_differ_by_rounding(variants, one):
+    rows = range(len(variants))
+    table = {"variant": variants, "network": 0, "trial": 0, "success": 1, "x": [*map(float, rows)]}
+    frame = pd.DataFrame(table)
+    if one:
+        with pytest.raises(InputError, match="differ by rounding only"):
+            trials_from_table(frame)
+    else:
+        assert trials_from_table(frame).variant[:, 0].tolist() == variants
+
+
 @pytest.mark.parametrize("name", ["trailing_blank.csv", "excel_sep_line.csv", "small.csv.gz"])
 def test_what_spreadsheets_and_compression_add_is_read(name):
     trials = read_trials(CASES / name)

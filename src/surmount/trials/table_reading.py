@@ -26,8 +26,10 @@ from surmount.trials.value_problems import (
     note_bad_outcomes,
 )
 
-_SAME = 1e-9
-"""Relative difference below which two values of a task parameter are taken for one."""
+_SAME = 2e-7
+"""Relative difference that rounding to 32 bits may make (6e-8 for each value), with some room."""
+_SAME_AS_ZERO = 1e-9
+"""Difference, as a share of the largest value, that what should be 0 may have from it."""
 
 
 def read_source(
@@ -292,8 +294,8 @@ def _check_variants(
         if axis.discrete:
             continue
         values = np.unique(column)
-        close = np.flatnonzero(np.diff(values) <= _SAME * np.abs(values[1:]))
-        for left, right in zip(values[close], values[close + 1], strict=True):
+        close = _rounded_apart(values)
+        for left, right in zip(values[:-1][close], values[1:][close], strict=True):
             problems.add(
                 f"variants {float(left)!r} and {float(right)!r} differ by rounding only",
                 "Write the same number on all rows of a variant.",
@@ -305,6 +307,21 @@ def _check_variants(
                 f"{minimum_samples}",
                 "Record more trials on it, or leave the variant out.",
             )
+
+
+def _rounded_apart(values: FloatArray) -> BoolArray:
+    """Whether each of ascending values differs from the next by rounding only, ``(value - 1,)``.
+
+    Whole numbers are exact, and small numbers are no zeros where all are positive, as on a
+    logarithmic axis.
+    """
+    size = np.abs(values)
+    near = _SAME * np.maximum(size[1:], size[:-1])
+    if values[0] <= 0:
+        near = np.maximum(near, _SAME_AS_ZERO * size.max())
+    whole = values == np.floor(values)
+    close: BoolArray = (np.diff(values) <= near) & ~(whole[1:] & whole[:-1])
+    return close
 
 
 def _check_numbering(
