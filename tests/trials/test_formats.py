@@ -19,6 +19,7 @@ import pytest
 from surmount import Columns, read_trials, trials_from_arrays, trials_from_table
 from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError
+from surmount.trials.table import write_trials
 
 ROWS = [(1, "a", 0, 1, 0.5), (1, "b", 0, 0, 1.5), (2, "a", 0, 1, 0.6), (2, "b", 0, 0, 1.6)]
 NAMES = ["variant", "network", "trial", "success", "fx"]
@@ -267,8 +268,76 @@ def test_a_table_in_the_folder_says_it_all_by_itself(capsys, tmp_path):
     assert run(["convert", str(folder), "--out", str(tmp_path / "t.parquet")]) == 0
     assert "3 trials on 2 variants, 2 succeeded, 6 rows" in capsys.readouterr().out
     (folder / "another.csv").write_text("time_s,x\n0.0,1\n")
-    with pytest.raises(InputError, match=r"trials.csv says nothing of another.csv"):
+    with pytest.raises(InputError, match=r"trials.csv says nothing of `another`"):
         read_trials(folder)
+
+
+def test_what_a_notebook_keeps_in_hidden_folders_is_no_trial(tmp_path):
+    folder = tmp_path / "logs"
+    (folder / ".ipynb_checkpoints").mkdir(parents=True)
+    (folder / "a.csv").write_text(text())
+    (folder / ".ipynb_checkpoints" / "a-checkpoint.csv").write_text(text())
+    sound(read_trials(folder))
+    (tmp_path / ".hidden").mkdir()
+    sound(read_trials(folder.rename(tmp_path / ".hidden" / "logs")))  # that is asked for
+
+
+@pytest.mark.parametrize("other", ["a.csv.gz", "a.parquet", "a.txt"])
+def test_two_files_of_one_name_are_not_glued_into_one_trial(tmp_path, other):
+    (tmp_path / "a.csv").write_text(text())
+    (tmp_path / other).write_bytes(gzip.compress(text().encode()))
+    with pytest.raises(InputError, match=rf"a\.csv and {other} have the same name `a`"):
+        read_trials(tmp_path)
+
+
+def test_files_of_one_folder_keep_the_axes_that_they_agree_on(tmp_path):
+    one = trials_from_table(frame()).declared({"variant": "integer"})
+    for name in ("a", "b"):
+        write_trials(tmp_path / f"{name}.parquet", one)
+    assert read_trials(tmp_path).axes == one.axes
+    write_trials(tmp_path / "b.parquet", one.declared({"variant": "logarithmic"}))
+    with pytest.raises(InputError, match="`variant` is integer here and logarithmic there"):
+        read_trials(tmp_path)
+    frame().write_parquet(tmp_path / "b.parquet")
+    with pytest.raises(InputError, match="`variant` is continuous here and integer there"):
+        read_trials(tmp_path)
+
+
+def test_categories_of_a_folder_are_those_of_all_its_files(tmp_path):
+    for name, kinds in (("a", ["up", "down"]), ("b", ["flat", "up"])):
+        variant = pl.Series([kinds[0], kinds[0], kinds[1], kinds[1]])
+        write_trials(
+            tmp_path / f"{name}.parquet", trials_from_table(frame().with_columns(variant=variant))
+        )
+    trials = read_trials(tmp_path)
+    names = [trials.axes[0].value(one) for one in trials.variant[:, 0]]
+    assert names == ["up", "up", "down", "down", "flat", "flat", "up", "up"]
+    (tmp_path / "b.parquet").unlink()
+    frame().with_columns(variant=pl.lit("steep")).write_csv(tmp_path / "b.csv")
+    assert read_trials(tmp_path).axes[0].names == ("down", "steep", "up")
+
+
+def test_a_trial_whose_file_is_not_there_is_told(tmp_path):
+    folder = folder_of_trials(tmp_path / "logs")
+    with (folder / "beside.csv").open("a") as file:
+        file.write("width0.9_net-b_7.csv,1\n")
+    columns = Columns(names="width{variant}_net-{network}_{trial}",
+                      beside=str(folder / "beside.csv"))  # fmt: skip
+    trials = read_trials(folder, columns=columns)
+    assert trials.n_trials == 3
+    assert "beside.csv names `width0.9_net-b_7`, which" in trials.notes[0]
+
+
+@pytest.mark.parametrize("comma", [",", ";"])
+def test_a_table_beside_may_have_decimal_commas_whatever_the_files_have(tmp_path, comma):
+    for name in ("a", "b"):
+        decimal = "0,5" if comma == ";" else "0.5"
+        (tmp_path / f"{name}.csv").write_text(f"time_s{comma}x\n0{comma}{decimal}\n")
+    beside = "file;variant;network;success\na.csv;0,6;n;1\nb;7,5E-1;n;0\n"
+    (tmp_path / "trials.csv").write_text(beside)
+    trials = read_trials(tmp_path)
+    assert trials.variant[:, 0].tolist() == [0.6, 0.75]
+    assert trials.column("x").tolist() == [0.5, 0.5]
 
 
 def test_a_row_of_a_folder_is_called_by_its_file(tmp_path):

@@ -23,7 +23,8 @@ MISSING_WORDS = ("", "NA", "N/A", "n/a", "NaN", "nan", "NAN", "NaT", "null", "NU
 _YES = ("1", "1.0", "true", "t", "yes", "y", "success", "succeeded", "successful")
 _NO = ("0", "0.0", "false", "f", "no", "n", "failure", "failed", "fail")
 _TRUTHS = {"true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0}
-_COMMA = r"^[+-]?\d*,\d+$"
+DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
+"""A number with a comma for its decimals, as a regular expression."""
 _EXACT = 2**53
 """Whole numbers up to here are floating-point numbers exactly."""
 Kind = Literal["number", "instant", "label", "category"]
@@ -216,6 +217,7 @@ class _Survey:
 
     def __init__(self, source: Source, numbers: Sequence[Entry], labels: Sequence[Entry]) -> None:
         self.commas = source.decimal_commas
+        self.told = source.told
         self.with_commas: list[str] = []
         self.with_points: list[str] = []
         text = {str(raw): (raw, kind) for raw, kind in (*numbers, *labels) if _is_text(kind)}
@@ -259,7 +261,7 @@ def _measures(text: pl.Expr) -> dict[str, pl.Expr]:
         "filled": text.is_not_null(),
         "whole": _canonical(text).is_not_null(),
         "numbers": text.cast(pl.Float64, strict=False).is_not_null(),
-        "commas": text.str.contains(_COMMA),
+        "commas": text.str.contains(DECIMAL_COMMA),
         "points": text.str.contains(".", literal=True),
     }
 
@@ -317,7 +319,7 @@ def _number(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
         return field(raw.cast(pl.Float64))
     if not _is_text(kind):
         return field(pl.lit(None, dtype=pl.Float64))
-    if survey.count(raw, "points"):
+    if survey.count(raw, "points") and name not in survey.told:
         survey.with_points.append(name)
     if survey.plain(raw):
         return field(raw.cast(pl.String).cast(pl.Float64, strict=False))

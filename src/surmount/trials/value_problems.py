@@ -8,7 +8,7 @@ import numpy as np
 import polars as pl
 
 from surmount.core.arrays import IntArray
-from surmount.trials.column_types import Field, cleaned, is_any_of
+from surmount.trials.column_types import DECIMAL_COMMA, Field, cleaned, is_any_of
 from surmount.trials.columns import Columns
 from surmount.trials.source import Source
 from surmount.trials.table_problems import Problems
@@ -16,7 +16,6 @@ from surmount.trials.table_problems import Problems
 _LARGEST_VALUE = 1e100
 """Larger values count as infinite: their squares overflow."""
 _EXACT = 2**53
-_DECIMAL_COMMA = r"^[+-]?\d*,\d+$"
 _SHOWN_WORDS = 10
 _ABOVE = "or say above which value it is one, with `--success-above`"
 
@@ -67,7 +66,7 @@ def note_bad_numbers(
     word = ~missing & ~infinite
     commas = np.zeros(bad.size, dtype=np.bool_)
     if raw.dtype == pl.String:
-        commas = word & raw.str.contains(_DECIMAL_COMMA).fill_null(value=False).to_numpy()
+        commas = word & raw.str.contains(DECIMAL_COMMA).fill_null(value=False).to_numpy()
     problems.rows(
         bad[commas],
         f"`{name}` has decimal commas",
