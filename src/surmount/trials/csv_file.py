@@ -24,7 +24,6 @@ _HEAD_CHARACTERS = 1 << 18
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _UNNAMED = "surmount.unnamed."
 _FILLED = "surmount.filled"
-_INDEX_NOTE = "The first column, which has no name, numbers rows: it was left out."
 CSV_ENDINGS = (".csv", ".tsv", ".txt")
 
 
@@ -174,19 +173,15 @@ def _rows(content: Path | bytes, separator: str, skipped: int) -> Iterator[list[
 
 
 def _without_unnamed(source: Source, names: list[str]) -> Source:
-    """Leave out columns that have no name: an index of rows, or blank tails of lines."""
+    """Leave out columns that have neither a name nor entries: blank tails of lines."""
     unnamed = [name for name in names if name.startswith(_UNNAMED)]
     if not unnamed:
         return source
     filled = source.collect(source.frame.select(pl.col(unnamed).is_not_null().any()))
-    index = names[0] in unnamed and bool(filled[names[0]].item())
-    kept = [name for name in unnamed if filled[name].item() and name != names[0]]
+    kept = [name for name in unnamed if filled[name].item()]
     frame = source.frame.drop([name for name in unnamed if name not in kept])
-    return replace(
-        source,
-        frame=frame.rename({name: " " * place for place, name in enumerate(kept, start=1)}),
-        notes=(_INDEX_NOTE,) if index else (),
-    )
+    blanks = {name: " " * place for place, name in enumerate(kept, start=1)}
+    return replace(source, frame=frame.rename(blanks))
 
 
 def _not_utf8(path: Path, error: UnicodeDecodeError) -> InputError:

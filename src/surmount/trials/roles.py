@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,8 +19,6 @@ _LEROBOT = "episode_index"
 MARK_OF_END = "next.done"
 """LeRobot's mark of an episode's last step, which is an outcome only where some lack it."""
 _LEROBOT_COUNTERS = ("frame_index", "index", "task_index", "timestamp")
-_INDEX_OF_ROWS = re.compile(r"__index_level_\d+__|Unnamed: \d+")
-"""Names that pandas gives to numbers of rows when it writes them as a column."""
 _REMEDIES = {
     "variant": "Add the task parameter of each row as `variant`, or as `variant.<name>` for each "
     "of several parameters; or name its column with `--variant name=column`.",
@@ -98,12 +95,6 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
         left = [name for name in names if name not in taken]
         notes += [_left_out(name, parameters, found) for name in left if is_own_column(name)]
         features = {name: name for name in left if not is_own_column(name)}
-        indices = [name for name in features if _INDEX_OF_ROWS.fullmatch(name)]
-        if indices:
-            notes.append(
-                f"{_listed(indices)} numbers rows, as pandas writes them: it was left out."
-            )
-        features = {name: name for name in features if name not in indices}
         if lerobot:
             features = _lerobot_features(features, notes)
     if not features:

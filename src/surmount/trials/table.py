@@ -21,6 +21,7 @@ from surmount.trials.columns import Columns
 from surmount.trials.frame_columns import open_frame
 from surmount.trials.log_folder import open_path
 from surmount.trials.roles import find_roles
+from surmount.trials.row_numbers import without_row_numbers
 from surmount.trials.source import Source
 from surmount.trials.table_file import write_columns
 from surmount.trials.table_problems import Problems
@@ -141,6 +142,7 @@ def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
 
 def _read(source: Source, columns: Columns, minimum_variants: int, minimum_samples: int) -> Trials:
     problems = Problems(place=source.place)
+    source = without_row_numbers(source, columns, problems)
     roles = find_roles(tuple(source.schema()), columns, problems)
     return read_source(
         source,
