@@ -65,11 +65,81 @@ def test_csv_of_every_make_is_the_same_table(tmp_path, content):
     sound(read_trials(tmp_path / "t.csv"))
 
 
-def test_compressed_csv_is_read(tmp_path):
-    (tmp_path / "t.csv.gz").write_bytes(gzip.compress(text().encode()))
-    sound(read_trials(tmp_path / "t.csv.gz"))
+@pytest.mark.parametrize(
+    "before", ["\n", "\r\n \r\n", ",,,,\n", "\nsep=,\n\n"], ids=["one", "two", "commas", "sep"]
+)
+def test_blank_lines_before_the_header_are_skipped(tmp_path, before):
+    (tmp_path / "t.csv").write_text(before + text(), newline="")
+    sound(read_trials(tmp_path / "t.csv"))
+    (tmp_path / "t.csv").write_text(before + text().replace("0.6", "?"), newline="")
+    with pytest.raises(InputError, match="row 3: `fx` is not a number"):
+        read_trials(tmp_path / "t.csv")
+    (tmp_path / "t.csv").write_text(before + text().replace("0.6", "0.6,7"), newline="")
+    with pytest.raises(InputError, match="row 3 has 6 entries under 5 column names"):
+        read_trials(tmp_path / "t.csv")
+
+
+def test_lines_that_end_by_carriage_returns_alone_are_told(tmp_path):
+    (tmp_path / "t.csv").write_text(text(end="\r"), newline="")
+    with pytest.raises(InputError, match=r"ends its lines by CR") as caught:
+        read_trials(tmp_path / "t.csv")
+    assert "LF" in caught.value.remedy
+
+
+@pytest.mark.parametrize("short", [[1], [2], [1, 2, 3]])
+def test_rows_shorter_than_the_header_lack_their_last_entries(tmp_path, short):
+    lines = ["variant,network,trial,fx,success", "1,a,0,0.5,1", "1,b,0,1.5,0", "2,a,0,0.6,1",
+             "2,a,0,0.7,1", "2,b,0,1.6,0"]  # fmt: skip
+    for row in short:
+        lines[row] = lines[row].rpartition(",")[0]
+    (tmp_path / "t.csv").write_text("\n".join(lines), encoding="utf-8")
+    lacking = [row for row in short if row < 3]
+    words = rf"rows? {', '.join(map(str, lacking))}: no row of the trial .* has a `success`"
+    with pytest.raises(InputError, match=words):
+        read_trials(tmp_path / "t.csv")
+    lines[1:3] = ["1,a,0,0.5", "1,a,0,0.6,1", "1,b,0,1.5,0"]
+    (tmp_path / "t.csv").write_text("\n".join(lines), encoding="utf-8")
+    trials = read_trials(tmp_path / "t.csv")
+    assert trials.success.tolist() == [True, False, True, False]
+    assert trials.column("fx").tolist() == [0.5, 0.6, 1.5, 0.6, 0.7, 1.6]
+
+
+@pytest.mark.parametrize("values", [("987", "1,012"), ("9,810", "-1,012")])
+def test_commas_that_may_separate_thousands_are_refused(tmp_path, values):
+    path, names = tmp_path / "t.tsv", "variant\tnetwork\ttrial\tsuccess\tx\n"
+    rows = [f"{20 + i}\t0\t0\t1\t{value}\n" for i, value in enumerate(values)]
+    path.write_text(names + "".join(rows), encoding="utf-8")
+    with pytest.raises(InputError, match="`x` has commas that may separate decimals or thousands"):
+        read_trials(path)
+    path.write_text(names + "".join(rows).replace("20\t", "20,5\t"), encoding="utf-8")
+    expected = [float(value.replace(",", ".")) for value in values]
+    assert read_trials(path).column("x").tolist() == expected  # commas are decimals there
+
+
+def test_decimal_commas_may_have_exponents(tmp_path):
+    rows = "1,5E-05;n;0;1;-2,25e3\n2E-5;n;0;1;,5E+0\n"
+    (tmp_path / "t.csv").write_text("variant;network;trial;success;x\n" + rows)
+    trials = read_trials(tmp_path / "t.csv")
+    assert trials.variant[:, 0].tolist() == [1.5e-5, 2e-5]
+    assert trials.column("x").tolist() == [-2250.0, 0.5]
+
+
+@pytest.mark.parametrize("name", ["t.csv.gz", "T.CSV.GZ"])
+def test_compressed_csv_is_read(tmp_path, name):
+    (tmp_path / name).write_bytes(gzip.compress(text().encode()))
+    sound(read_trials(tmp_path / name))
     frame().write_csv(tmp_path / "t.csv.zst", compression="zstd")
     sound(read_trials(tmp_path / "t.csv.zst"))
+
+
+def test_damaged_compressed_csv_is_told(tmp_path):
+    rng = np.random.default_rng(0)
+    rows = "".join(f"{i},n,0,1,{rng.random()}\n" for i in range(10_000))
+    content = bytearray(gzip.compress((text().partition("\n")[0] + "\n" + rows).encode()))
+    content[100:102] = b"\xff\x5a"
+    (tmp_path / "t.csv.gz").write_bytes(content)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_trials(tmp_path / "t.csv.gz")
 
 
 def test_parquet_arrow_and_feather_are_read(tmp_path):

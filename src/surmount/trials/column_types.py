@@ -25,6 +25,7 @@ _NO = ("0", "0.0", "false", "f", "no", "n", "failure", "failed", "fail")
 _TRUTHS = {"true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0}
 DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
 """A number with a comma for its decimals, as a regular expression."""
+_THOUSANDS = r"^[+-]?[1-9]\d{0,2},\d{3}$"
 _EXACT = 2**53
 """Whole numbers up to here are floating-point numbers exactly."""
 Kind = Literal["number", "instant", "label", "category"]
@@ -153,6 +154,11 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
             f"`{survey.with_commas[0]}` has decimal commas and `{survey.with_points[0]}` points",
             "Write all decimals alike, and no separators of thousands.",
         )
+    elif survey.with_thousands and survey.with_thousands == survey.with_commas:
+        problems.add(
+            f"`{survey.with_thousands[0]}` has commas that may separate decimals or thousands",
+            "Write decimals with points, and no separators of thousands.",
+        )
     return plan
 
 
@@ -219,6 +225,7 @@ class _Survey:
         self.commas = source.decimal_commas
         self.told = source.told
         self.with_commas: list[str] = []
+        self.with_thousands: list[str] = []
         self.with_points: list[str] = []
         text = {str(raw): (raw, kind) for raw, kind in (*numbers, *labels) if _is_text(kind)}
         places = {key: str(place) for place, key in enumerate(text)}
@@ -253,7 +260,7 @@ class _Survey:
         return self._counts[str(raw)][measure]
 
 
-_MEASURES = ("filled", "whole", "numbers", "commas", "points")
+_MEASURES = ("filled", "whole", "numbers", "commas", "thousands", "points")
 
 
 def _measures(text: pl.Expr) -> dict[str, pl.Expr]:
@@ -262,6 +269,7 @@ def _measures(text: pl.Expr) -> dict[str, pl.Expr]:
         "whole": _canonical(text).is_not_null(),
         "numbers": text.cast(pl.Float64, strict=False).is_not_null(),
         "commas": text.str.contains(DECIMAL_COMMA),
+        "thousands": text.str.contains(_THOUSANDS),
         "points": text.str.contains(".", literal=True),
     }
 
@@ -328,6 +336,8 @@ def _number(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
     commas = survey.count(raw, "commas")
     if survey.commas and commas and not survey.count(raw, "points"):
         survey.with_commas.append(name)
+        if survey.count(raw, "thousands") == commas:
+            survey.with_thousands.append(name)
         return field(text.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False))
     truths = text.str.to_lowercase().replace_strict(_TRUTHS, default=None, return_dtype=pl.Float64)
     return field(value if commas else pl.coalesce(value, truths))
