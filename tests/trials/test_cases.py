@@ -93,6 +93,14 @@ def test_names_that_look_like_numbers_are_not_mixed_up(tmp_path, names):
         assert read_trials(tmp_path / "again.parquet").network_names == tuple(sorted(names))
 
 
+@pytest.mark.parametrize("kind", [None, object])
+def test_byte_strings_of_hdf5_and_numpy_are_text(kind):
+    table = {name: np.resize(values, 6) for name, values in INDEXED.items()}
+    names = np.array([b"run_a", "lauf_ä".encode()] * 3, dtype=kind)
+    trials = trials_from_table(table | {"network": names})
+    assert trials.network_names == ("lauf_ä", "run_a")
+
+
 @pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
 @pytest.mark.parametrize("how", ["numpy", "pandas", "polars"])
 def test_times_are_seconds_in_every_resolution(unit, how):

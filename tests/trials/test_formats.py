@@ -205,6 +205,26 @@ def test_arrays_by_trial_are_read():
 
 
 @pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"variant": [(1, 2), (1, 3), (2, 2), (2, 3)]}, "`variant` has not one value per trial"),
+        ({"variant": [(1, 2), 1, 2, 2]}, "`variant` has not one value per trial"),
+        ({"variant": {"w": 3}}, r"`variant\.w` has not one value per trial"),
+        ({"success": True}, "`success` has not one value per trial"),
+        ({"network": "a"}, "`network` has not one value per trial"),
+        ({"features": [[["far"]]] * 4}, "features of trial 0 are no array of numbers"),
+        ({"features": [[[1.0]], [[1.0], [2.0, 3.0]]]}, "features of trial 1 are no array"),
+        ({"features": [None] * 4}, r"features of trial 0 have shape \(\)"),
+    ],
+)
+def test_arrays_that_are_not_one_per_trial_are_told(told, words):
+    sound = {"features": [np.zeros((3, 1))] * 4, "variant": [1, 1, 2, 2], "success": [1, 0, 1, 0]}
+    with pytest.raises(InputError, match=words) as caught:
+        trials_from_arrays(**(sound | told), feature_names=["fx"])
+    assert ("dictionary" in caught.value.remedy) == ("`variant`" in words)
+
+
+@pytest.mark.parametrize(
     ("name", "why"),
     [("fx", "of two"), ("success", "of no"), ("trial", "of no"), ("network", "of no")],
 )
@@ -296,6 +316,35 @@ def test_a_minari_data_set_is_read(tmp_path):
     rewarded = Columns(variant=told["variant"], success="rewards", success_above=0.5,
                        features={"a": "actions.0"})  # fmt: skip
     assert read_trials(tmp_path / "door-v0", columns=rewarded).success.tolist() == [1, 1, 0]
+
+
+def test_a_seed_or_its_absence_is_nothing_of_a_minari_episode(tmp_path):
+    folder = minari(tmp_path / "door-v0")
+    with h5py.File(folder / "data" / "main_data.hdf5", "a") as file:
+        for name, seed in (("episode_0", "None"), ("episode_2", 7), ("episode_10", 8)):
+            file[name].attrs["seed"] = seed
+    columns = Columns(variant={"w": "episode.width_m"}, success="infos.success")
+    trials = read_trials(folder, columns=columns)
+    assert trials.n_trials == 3
+    assert not any("seed" in name for name in trials.feature_names)
+
+
+def test_what_minari_keeps_of_an_episode_is_read_in_every_shape_and_as_text(tmp_path):
+    folder = minari(tmp_path / "door-v0")
+    with h5py.File(folder / "data" / "main_data.hdf5", "a") as file:
+        for place, name in enumerate(("episode_0", "episode_2", "episode_10")):
+            file[name].attrs["friction"] = np.array([[0.1 * place]])
+            file[name].attrs["size"] = np.array([place, 5.0])
+            kinds = [b"flat", b"flat", b"steep"][place : place + 1] * 3
+            file[name]["infos"]["terrain"] = np.array(kinds)
+            file[name]["infos"]["end"] = np.array([b"", b"", b"door"], dtype=object)
+    told = {"friction": "episode.friction", "size": "episode.size.0", "terrain": "infos.terrain"}
+    columns = Columns(variant=told, success="infos.success")
+    trials = read_trials(folder, columns=columns)
+    np.testing.assert_allclose(trials.variant, [[0, 0, 0], [0.1, 1, 0], [0.2, 2, 1]])
+    assert trials.axes[2].names == ("flat", "steep")
+    assert "episode.size.1" in trials.feature_names
+    assert "`infos.end`: text, left out." in trials.notes
 
 
 def test_a_damaged_minari_data_set_is_refused(tmp_path):

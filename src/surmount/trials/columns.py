@@ -81,6 +81,12 @@ class Columns:
             )
 
     @property
+    def named(self) -> frozenset[str]:
+        """All columns that were named."""
+        keys = filter(None, [self.network, self.trial, self.success])
+        return frozenset([*self.variant.values(), *self.features.values(), *keys])
+
+    @property
     def mapped(self) -> bool:
         """Whether a column was named, so that the table is a log of somebody else's making."""
         return bool(self.variant or self.trial or self.features)

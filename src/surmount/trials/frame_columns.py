@@ -131,11 +131,12 @@ def _of_objects(name: str, entries: list[Any]) -> pl.Series:
             return pl.Series(name, kept)
     except (TypeError, ValueError, OverflowError, *POLARS_ERRORS):
         pass  # as text, and then told as what it is
-    return pl.Series(name, [None if e is None else _text(e) for e in kept], dtype=pl.String)
+    return pl.Series(name, [None if e is None else as_text(e) for e in kept], dtype=pl.String)
 
 
-def _text(entry: object) -> str:
-    text = str(entry)
+def as_text(entry: object) -> str:
+    """Return an entry as text; bytes, as HDF5 and NumPy keep text, are UTF-8."""
+    text = entry.decode("utf-8", "replace") if isinstance(entry, bytes) else str(entry)
     return text.encode("utf-8", "replace").decode() if not text.isascii() else text
 
 

@@ -46,7 +46,7 @@ def open_path(path: Path, columns: Columns) -> Source:
             )
         return open_file(path)
     if is_minari(path):
-        return open_minari(path)
+        return open_minari(path, columns)
     beside = Path(columns.beside) if columns.beside else path / _BESIDE
     known = _table_beside(beside) if columns.beside or _has_files(beside) else {}
     files = [

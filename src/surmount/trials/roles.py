@@ -64,10 +64,8 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
     problems
         Where problems are noted.
     """
-    wanted = [*columns.variant.values(), *columns.features.values(),
-              *filter(None, [columns.network, columns.trial, columns.success])]  # fmt: skip
     present = set(names)
-    for name in sorted({column for column in wanted if not _is_there(column, present)}):
+    for name in sorted(column for column in columns.named if not _is_there(column, present)):
         problems.add(f"column `{name}` is missing", f"It has {', '.join(names[:20])}.")
     _check_names(names, problems)
     several = [name for name in names if name.startswith("variant.") and name != "variant."]

@@ -27,9 +27,8 @@ def without_row_numbers(source: Source, columns: Columns, problems: Problems) ->
     problems
         Where problems are noted.
     """
-    named = {*columns.variant.values(), *columns.features.values(),
-             columns.network, columns.trial, columns.success}  # fmt: skip
-    names = [name for name in source.schema() if _NAMES.fullmatch(name) and name not in named]
+    found = [name for name in source.schema() if _NAMES.fullmatch(name)]
+    names = [name for name in found if name not in columns.named]
     notes: list[str] = []
     for name in names:
         called = f"`{name}`" if name.strip() else "A column without a name"
