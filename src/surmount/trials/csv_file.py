@@ -170,7 +170,8 @@ def _without_blank_lines(lines: str, skipped: int) -> tuple[str, int]:
 def _explain(
     path: Path, content: Path | bytes, separator: str, n_columns: int, skipped: int
 ) -> None:
-    """Raise what is wrong with a file."""
+    """Raise what is wrong with a file; of quotes only if there are some in entries."""
+    quoted = False
     try:
         for row, entries in enumerate(_rows(content, separator, skipped), start=1):
             if len(entries) > n_columns:
@@ -179,16 +180,19 @@ def _explain(
                     remedy="Give each row one entry per column, and quote entries that hold the "
                     "separator.",
                 )
+            quoted = quoted or any('"' in entry for entry in entries)
     except UnicodeDecodeError as error:
         raise _not_utf8(path, error) from error
     except (OSError, EOFError, zlib.error):
         return
-    except csv.Error as error:
+    except csv.Error:
+        quoted = True
+    if quoted:
         raise InputError(
             f"{path} cannot be read as CSV: a quote is opened and not closed, or stands in the "
             "middle of an entry.",
             remedy="Quote whole entries, and double the quotes inside.",
-        ) from error
+        )
 
 
 def _rows(content: Path | bytes, separator: str, skipped: int) -> Iterator[list[str]]:
