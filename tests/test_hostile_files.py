@@ -125,6 +125,30 @@ def test_absurd_json_is_refused(capsys, tmp_path, text):
     assert str(path) in err
 
 
+def test_a_record_may_begin_with_a_byte_order_mark(tmp_path):
+    write_record(tmp_path / "r.json", {"a": 1})
+    marked = b"\xef\xbb\xbf" + (tmp_path / "r.json").read_bytes()
+    (tmp_path / "r.json").write_bytes(marked)
+    assert read_record(tmp_path / "r.json") == {"a": 1}
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        {"level_tests": 3},
+        {"level_tests": []},
+        {"level_tests": ["a"], "steps": 1},
+        {"level_tests": [{}], "steps": 1},
+        {"level_tests": [{"sentence": "a"}], "steps": "b"},
+    ],
+)
+def test_what_is_no_training_is_not_shown_as_one(capsys, tmp_path, record):
+    write_record(tmp_path / "training.json", record)
+    code, said = call(capsys, "show", tmp_path / "training.json")
+    assert code == 3
+    assert "training.json is no record of a training" in said
+
+
 def test_absurd_depth_in_toml_is_refused(capsys, tmp_path):
     path = tmp_path / "c.toml"
     path.write_text("seed = " + "[" * 50_000, encoding="utf-8")

@@ -97,6 +97,37 @@ def test_clocks_counters_and_the_task_itself_are_found(kind):
     assert is_stable(found) is False
 
 
+def test_clocks_that_begin_anew_for_each_network_are_found_even_in_pairs():
+    trials = FAMILY.generate()
+    clock = np.empty(trials.n_samples)
+    whose = np.repeat(trials.network, trials.lengths)
+    late = 1e6 * (trials.sample_variant() >= 4)
+    for network in np.unique(trials.network):
+        clock[whose == network] = np.arange(float((whose == network).sum()))
+    for name, values in {"session_s": clock + late, "seq": np.floor(10 * clock) + late}.items():
+        trials = with_feature(trials, name, values)
+    found = determine_curriculum(trials, dataclasses.replace(QUICK, sensitivity=False))
+    assert [(one.feature, one.kind) for one in found.suspects] == [
+        ("session_s", "network-clock"),
+        ("seq", "network-clock"),
+    ]
+    assert hanging(found) == ("session_s", "seq")
+    assert is_stable(found) is False
+    said = " ".join(found.warnings)
+    assert "`seq` rises within each network from trial to trial" in said
+    assert Analysis.from_record(found.to_record()).suspects == found.suspects
+
+
+def test_a_clock_in_one_network_of_several_is_none():
+    trials = FAMILY.generate()
+    rng = np.random.default_rng(0)
+    clock = np.arange(float(trials.n_samples))
+    first = np.repeat(trials.network, trials.lengths) == trials.network[0]
+    values = np.where(first, clock, rng.normal(size=trials.n_samples))
+    config = dataclasses.replace(QUICK, sensitivity=False)
+    assert determine_curriculum(with_feature(trials, "t", values), config).suspects == ()
+
+
 def test_a_feature_that_decides_alone_is_named_without_a_doubt_about_it():
     trials = FAMILY.generate()
     rng = np.random.default_rng(0)

@@ -93,6 +93,14 @@ def test_names_that_look_like_numbers_are_not_mixed_up(tmp_path, names):
         assert read_trials(tmp_path / "again.parquet").network_names == tuple(sorted(names))
 
 
+@pytest.mark.parametrize("kind", [None, object])
+def test_byte_strings_of_hdf5_and_numpy_are_text(kind):
+    table = {name: np.resize(values, 6) for name, values in INDEXED.items()}
+    names = np.array([b"run_a", "lauf_ä".encode()] * 3, dtype=kind)
+    trials = trials_from_table(table | {"network": names})
+    assert trials.network_names == ("lauf_ä", "run_a")
+
+
 @pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
 @pytest.mark.parametrize("how", ["numpy", "pandas", "polars"])
 def test_times_are_seconds_in_every_resolution(unit, how):
@@ -126,11 +134,99 @@ def test_an_index_of_pandas_is_no_feature(tmp_path):  # pandas 51664
     frame.to_csv(tmp_path / "t.csv")  # the index is a first column without a name
     trials = read_trials(tmp_path / "t.csv")
     assert trials.feature_names == ("x",)
-    assert "no name, numbers rows" in trials.notes[0]
+    assert "without a name numbers rows" in trials.notes[0]
     pd.read_csv(tmp_path / "t.csv").to_csv(tmp_path / "again.csv", index=False)
     trials = read_trials(tmp_path / "again.csv")
     assert trials.feature_names == ("x",)
     assert "`Unnamed: 0` numbers rows" in trials.notes[0]
+
+
+INDEXED = {
+    "variant": [1, 1, 1, 2, 2, 2],
+    "network": 0,
+    "trial": 0,
+    "success": 1,
+    "x": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+}
+
+
+@pytest.mark.parametrize("name", ["", "Unnamed: 0", "Unnamed: 0.1", "__index_level_0__"])
+@pytest.mark.parametrize(
+    ("numbers", "rows"),
+    [
+        ([0, 1, 2, 3, 4, 5], True),
+        ([0, 1, 2, 0, 1, 2], True),
+        ([0, 1, 3, 4, 6, 9], True),
+        ([4, 1, 0, 5, 2, 3], True),
+        ([0, 1, 2, 301, 302, 303], True),
+        ([0.0, 0.02, 0.04, 0.06, 0.08, 0.1], False),
+        ([0, 20, 40, 0, 20, 40], False),
+        ([0, 0, 0, 1, 1, 1], False),
+        (["a", "a", "a", "b", "b", "b"], False),
+    ],
+)
+def test_only_an_index_that_numbers_rows_is_left_out(tmp_path, name, numbers, rows):
+    pd.DataFrame({name: numbers, **INDEXED}).to_csv(tmp_path / "t.csv", index=False)
+    if rows:
+        trials = read_trials(tmp_path / "t.csv")
+        assert trials.feature_names == ("x",)
+        assert "numbers rows" in trials.notes[0]
+    else:
+        first = ", ".join(map(str, numbers[:3]))
+        with pytest.raises(InputError, match=f"numbers no rows; it holds {first} …") as caught:
+            read_trials(tmp_path / "t.csv")
+        assert "Name it" in caught.value.remedy
+        if name and not isinstance(numbers[0], str):
+            named = Columns(features={"y": name})
+            assert read_trials(tmp_path / "t.csv", columns=named).column("y").tolist() == numbers
+
+
+def test_an_index_of_pandas_that_says_something_is_read():
+    frame = pd.DataFrame(INDEXED).assign(time_s=[0.0, 0.1, 0.2] * 2)
+    trials = trials_from_table(frame.set_index("time_s"))
+    assert trials.column("time_s").tolist() == frame["time_s"].tolist()
+    assert trials.notes == ("The index `time_s` was read as a column.",)
+    trials = trials_from_table(frame.set_index(["variant", "network", "trial"]))
+    assert trials.variant[:, 0].tolist() == [1, 2]
+    assert trials.feature_names == ("x", "time_s")
+    assert trials_from_table(frame.set_index("time_s", drop=False)).notes == ()
+    assert trials_from_table(frame[::2]).notes == ()  # numbers of rows, some left out
+    with pytest.raises(InputError, match=r"numbers no rows; it holds 0\.0, 0\.1, 0\.2 …"):
+        trials_from_table(frame.drop(columns="time_s").set_index(pd.Index(frame["time_s"].array)))
+
+
+def test_variants_of_32_and_of_64_bits_are_not_taken_for_others(tmp_path):
+    for network, kind in enumerate((pl.Float32, pl.Float64)):
+        frame = pl.DataFrame({"variant": [0.6, 0.7, 0.8], "x": [1.0, 2.0, 3.0]})
+        told = {"network": pl.lit(network), "trial": pl.lit(0), "success": pl.lit(1)}
+        frame = frame.with_columns(pl.col("variant").cast(kind), **told)
+        frame.write_parquet(tmp_path / f"{network}.parquet")
+        assert read_trials(tmp_path / f"{network}.parquet").n_trials == 3
+    with pytest.raises(InputError, match=r"0\.6 and 0\.6000000238418579 differ by rounding only"):
+        read_trials(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("variants", "one"),
+    [
+        ([-5.55e-17, 0.0, 0.5], True),
+        ([-1.0, 5e-10, 0.0, 1.0], True),
+        ([0.1 + 0.2, 0.3, 1.0], True),
+        ([1e-12, 2e-12, 1e3], False),  # of many magnitudes, as on a logarithmic axis
+        ([10_000_000.0, 10_000_001.0], False),
+        ([1_716_800_000, 1_716_800_001], False),
+        ([0.0, 0.001, 1.0], False),
+    ],
+)
+def test_only_numbers_that_are_rounded_differ_by_rounding(variants, one):
+    rows = range(len(variants))
+    table = {"variant": variants, "network": 0, "trial": 0, "success": 1, "x": [*map(float, rows)]}
+    frame = pd.DataFrame(table)
+    if one:
+        with pytest.raises(InputError, match="differ by rounding only"):
+            trials_from_table(frame)
+    else:
+        assert trials_from_table(frame).variant[:, 0].tolist() == variants
 
 
 @pytest.mark.parametrize("name", ["trailing_blank.csv", "excel_sep_line.csv", "small.csv.gz"])

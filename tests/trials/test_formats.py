@@ -7,6 +7,7 @@ import gzip
 import io
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -18,6 +19,7 @@ import pytest
 from surmount import Columns, read_trials, trials_from_arrays, trials_from_table
 from surmount.cli.main import run
 from surmount.core.errors import ConfigError, InputError
+from surmount.trials.table import write_trials
 
 ROWS = [(1, "a", 0, 1, 0.5), (1, "b", 0, 0, 1.5), (2, "a", 0, 1, 0.6), (2, "b", 0, 0, 1.6)]
 NAMES = ["variant", "network", "trial", "success", "fx"]
@@ -63,11 +65,81 @@ def test_csv_of_every_make_is_the_same_table(tmp_path, content):
     sound(read_trials(tmp_path / "t.csv"))
 
 
-def test_compressed_csv_is_read(tmp_path):
-    (tmp_path / "t.csv.gz").write_bytes(gzip.compress(text().encode()))
-    sound(read_trials(tmp_path / "t.csv.gz"))
+@pytest.mark.parametrize(
+    "before", ["\n", "\r\n \r\n", ",,,,\n", "\nsep=,\n\n"], ids=["one", "two", "commas", "sep"]
+)
+def test_blank_lines_before_the_header_are_skipped(tmp_path, before):
+    (tmp_path / "t.csv").write_text(before + text(), newline="")
+    sound(read_trials(tmp_path / "t.csv"))
+    (tmp_path / "t.csv").write_text(before + text().replace("0.6", "?"), newline="")
+    with pytest.raises(InputError, match="row 3: `fx` is not a number"):
+        read_trials(tmp_path / "t.csv")
+    (tmp_path / "t.csv").write_text(before + text().replace("0.6", "0.6,7"), newline="")
+    with pytest.raises(InputError, match="row 3 has 6 entries under 5 column names"):
+        read_trials(tmp_path / "t.csv")
+
+
+def test_lines_that_end_by_carriage_returns_alone_are_told(tmp_path):
+    (tmp_path / "t.csv").write_text(text(end="\r"), newline="")
+    with pytest.raises(InputError, match=r"ends its lines by CR") as caught:
+        read_trials(tmp_path / "t.csv")
+    assert "LF" in caught.value.remedy
+
+
+@pytest.mark.parametrize("short", [[1], [2], [1, 2, 3]])
+def test_rows_shorter_than_the_header_lack_their_last_entries(tmp_path, short):
+    lines = ["variant,network,trial,fx,success", "1,a,0,0.5,1", "1,b,0,1.5,0", "2,a,0,0.6,1",
+             "2,a,0,0.7,1", "2,b,0,1.6,0"]  # fmt: skip
+    for row in short:
+        lines[row] = lines[row].rpartition(",")[0]
+    (tmp_path / "t.csv").write_text("\n".join(lines), encoding="utf-8")
+    lacking = [row for row in short if row < 3]
+    words = rf"rows? {', '.join(map(str, lacking))}: no row of the trial .* has a `success`"
+    with pytest.raises(InputError, match=words):
+        read_trials(tmp_path / "t.csv")
+    lines[1:3] = ["1,a,0,0.5", "1,a,0,0.6,1", "1,b,0,1.5,0"]
+    (tmp_path / "t.csv").write_text("\n".join(lines), encoding="utf-8")
+    trials = read_trials(tmp_path / "t.csv")
+    assert trials.success.tolist() == [True, False, True, False]
+    assert trials.column("fx").tolist() == [0.5, 0.6, 1.5, 0.6, 0.7, 1.6]
+
+
+@pytest.mark.parametrize("values", [("987", "1,012"), ("9,810", "-1,012")])
+def test_commas_that_may_separate_thousands_are_refused(tmp_path, values):
+    path, names = tmp_path / "t.tsv", "variant\tnetwork\ttrial\tsuccess\tx\n"
+    rows = [f"{20 + i}\t0\t0\t1\t{value}\n" for i, value in enumerate(values)]
+    path.write_text(names + "".join(rows), encoding="utf-8")
+    with pytest.raises(InputError, match="`x` has commas that may separate decimals or thousands"):
+        read_trials(path)
+    path.write_text(names + "".join(rows).replace("20\t", "20,5\t"), encoding="utf-8")
+    expected = [float(value.replace(",", ".")) for value in values]
+    assert read_trials(path).column("x").tolist() == expected  # commas are decimals there
+
+
+def test_decimal_commas_may_have_exponents(tmp_path):
+    rows = "1,5E-05;n;0;1;-2,25e3\n2E-5;n;0;1;,5E+0\n"
+    (tmp_path / "t.csv").write_text("variant;network;trial;success;x\n" + rows)
+    trials = read_trials(tmp_path / "t.csv")
+    assert trials.variant[:, 0].tolist() == [1.5e-5, 2e-5]
+    assert trials.column("x").tolist() == [-2250.0, 0.5]
+
+
+@pytest.mark.parametrize("name", ["t.csv.gz", "T.CSV.GZ"])
+def test_compressed_csv_is_read(tmp_path, name):
+    (tmp_path / name).write_bytes(gzip.compress(text().encode()))
+    sound(read_trials(tmp_path / name))
     frame().write_csv(tmp_path / "t.csv.zst", compression="zstd")
     sound(read_trials(tmp_path / "t.csv.zst"))
+
+
+def test_damaged_compressed_csv_is_told(tmp_path):
+    rng = np.random.default_rng(0)
+    rows = "".join(f"{i},n,0,1,{rng.random()}\n" for i in range(10_000))
+    content = bytearray(gzip.compress((text().partition("\n")[0] + "\n" + rows).encode()))
+    content[100:102] = b"\xff\x5a"
+    (tmp_path / "t.csv.gz").write_bytes(content)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_trials(tmp_path / "t.csv.gz")
 
 
 def test_parquet_arrow_and_feather_are_read(tmp_path):
@@ -76,6 +148,25 @@ def test_parquet_arrow_and_feather_are_read(tmp_path):
     frame().write_ipc(tmp_path / "t.feather", compression="lz4")
     for name in ("t.parquet", "t.arrow", "t.feather"):
         sound(read_trials(tmp_path / name))
+
+
+@pytest.mark.parametrize("name", ["run[12]", "exp[lr=0.1]", "run*", "run?"])
+@pytest.mark.parametrize("ending", ["csv", "csv.zst", "parquet", "arrow"])
+def test_a_path_is_a_path_and_no_pattern(tmp_path, name, ending):
+    folder = tmp_path / "a[b]"
+    folder.mkdir()
+    write = {
+        "csv": pl.DataFrame.write_csv,
+        "csv.zst": partial(pl.DataFrame.write_csv, compression="zstd"),
+        "parquet": pl.DataFrame.write_parquet,
+        "arrow": pl.DataFrame.write_ipc,
+    }[ending]
+    for other in ("run1", "run2"):
+        with (folder / f"{other}.{ending}").open("wb") as file:
+            write(frame().with_columns(fx=pl.lit(9.0)), file)
+    with (folder / f"{name}.{ending}").open("wb") as file:
+        write(frame(), file)
+    sound(read_trials(folder / f"{name}.{ending}"))
 
 
 class OnlyArrow:
@@ -111,6 +202,36 @@ def test_arrays_by_trial_are_read():
         trials_from_arrays(arrays, variant=[1, 1, 2], **told)
     with pytest.raises(InputError, match=r"trial 0 have shape \(1,\)"):
         trials_from_arrays([one[0] for one in arrays], variant=[1, 1, 2, 2], **told)
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"variant": [(1, 2), (1, 3), (2, 2), (2, 3)]}, "`variant` has not one value per trial"),
+        ({"variant": [(1, 2), 1, 2, 2]}, "`variant` has not one value per trial"),
+        ({"variant": {"w": 3}}, r"`variant\.w` has not one value per trial"),
+        ({"success": True}, "`success` has not one value per trial"),
+        ({"network": "a"}, "`network` has not one value per trial"),
+        ({"features": [[["far"]]] * 4}, "features of trial 0 are no array of numbers"),
+        ({"features": [[[1.0]], [[1.0], [2.0, 3.0]]]}, "features of trial 1 are no array"),
+        ({"features": [None] * 4}, r"features of trial 0 have shape \(\)"),
+    ],
+)
+def test_arrays_that_are_not_one_per_trial_are_told(told, words):
+    sound = {"features": [np.zeros((3, 1))] * 4, "variant": [1, 1, 2, 2], "success": [1, 0, 1, 0]}
+    with pytest.raises(InputError, match=words) as caught:
+        trials_from_arrays(**(sound | told), feature_names=["fx"])
+    assert ("dictionary" in caught.value.remedy) == ("`variant`" in words)
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("fx", "of two"), ("success", "of no"), ("trial", "of no"), ("network", "of no")],
+)
+def test_no_array_of_features_takes_the_name_of_another_column(name, why):
+    told = {"success": [1, 0], "variant": [1, 2], "feature_names": ["fx", name]}
+    with pytest.raises(InputError, match=f"`{name}` is the name {why} feature"):
+        trials_from_arrays([np.zeros((3, 2))] * 2, **told)
 
 
 def lerobot(**changes) -> dict:
@@ -197,6 +318,35 @@ def test_a_minari_data_set_is_read(tmp_path):
     assert read_trials(tmp_path / "door-v0", columns=rewarded).success.tolist() == [1, 1, 0]
 
 
+def test_a_seed_or_its_absence_is_nothing_of_a_minari_episode(tmp_path):
+    folder = minari(tmp_path / "door-v0")
+    with h5py.File(folder / "data" / "main_data.hdf5", "a") as file:
+        for name, seed in (("episode_0", "None"), ("episode_2", 7), ("episode_10", 8)):
+            file[name].attrs["seed"] = seed
+    columns = Columns(variant={"w": "episode.width_m"}, success="infos.success")
+    trials = read_trials(folder, columns=columns)
+    assert trials.n_trials == 3
+    assert not any("seed" in name for name in trials.feature_names)
+
+
+def test_what_minari_keeps_of_an_episode_is_read_in_every_shape_and_as_text(tmp_path):
+    folder = minari(tmp_path / "door-v0")
+    with h5py.File(folder / "data" / "main_data.hdf5", "a") as file:
+        for place, name in enumerate(("episode_0", "episode_2", "episode_10")):
+            file[name].attrs["friction"] = np.array([[0.1 * place]])
+            file[name].attrs["size"] = np.array([place, 5.0])
+            kinds = [b"flat", b"flat", b"steep"][place : place + 1] * 3
+            file[name]["infos"]["terrain"] = np.array(kinds)
+            file[name]["infos"]["end"] = np.array([b"", b"", b"door"], dtype=object)
+    told = {"friction": "episode.friction", "size": "episode.size.0", "terrain": "infos.terrain"}
+    columns = Columns(variant=told, success="infos.success")
+    trials = read_trials(folder, columns=columns)
+    np.testing.assert_allclose(trials.variant, [[0, 0, 0], [0.1, 1, 0], [0.2, 2, 1]])
+    assert trials.axes[2].names == ("flat", "steep")
+    assert "episode.size.1" in trials.feature_names
+    assert "`infos.end`: text, left out." in trials.notes
+
+
 def test_a_damaged_minari_data_set_is_refused(tmp_path):
     folder = minari(tmp_path / "door-v0")
     (folder / "data" / "main_data.hdf5").write_bytes(b"no HDF5")
@@ -237,8 +387,76 @@ def test_a_table_in_the_folder_says_it_all_by_itself(capsys, tmp_path):
     assert run(["convert", str(folder), "--out", str(tmp_path / "t.parquet")]) == 0
     assert "3 trials on 2 variants, 2 succeeded, 6 rows" in capsys.readouterr().out
     (folder / "another.csv").write_text("time_s,x\n0.0,1\n")
-    with pytest.raises(InputError, match=r"trials.csv says nothing of another.csv"):
+    with pytest.raises(InputError, match=r"trials.csv says nothing of `another`"):
         read_trials(folder)
+
+
+def test_what_a_notebook_keeps_in_hidden_folders_is_no_trial(tmp_path):
+    folder = tmp_path / "logs"
+    (folder / ".ipynb_checkpoints").mkdir(parents=True)
+    (folder / "a.csv").write_text(text())
+    (folder / ".ipynb_checkpoints" / "a-checkpoint.csv").write_text(text())
+    sound(read_trials(folder))
+    (tmp_path / ".hidden").mkdir()
+    sound(read_trials(folder.rename(tmp_path / ".hidden" / "logs")))  # that is asked for
+
+
+@pytest.mark.parametrize("other", ["a.csv.gz", "a.parquet", "a.txt"])
+def test_two_files_of_one_name_are_not_glued_into_one_trial(tmp_path, other):
+    (tmp_path / "a.csv").write_text(text())
+    (tmp_path / other).write_bytes(gzip.compress(text().encode()))
+    with pytest.raises(InputError, match=rf"a\.csv and {other} have the same name `a`"):
+        read_trials(tmp_path)
+
+
+def test_files_of_one_folder_keep_the_axes_that_they_agree_on(tmp_path):
+    one = trials_from_table(frame()).declared({"variant": "integer"})
+    for name in ("a", "b"):
+        write_trials(tmp_path / f"{name}.parquet", one)
+    assert read_trials(tmp_path).axes == one.axes
+    write_trials(tmp_path / "b.parquet", one.declared({"variant": "logarithmic"}))
+    with pytest.raises(InputError, match="`variant` is integer here and logarithmic there"):
+        read_trials(tmp_path)
+    frame().write_parquet(tmp_path / "b.parquet")
+    with pytest.raises(InputError, match="`variant` is continuous here and integer there"):
+        read_trials(tmp_path)
+
+
+def test_categories_of_a_folder_are_those_of_all_its_files(tmp_path):
+    for name, kinds in (("a", ["up", "down"]), ("b", ["flat", "up"])):
+        variant = pl.Series([kinds[0], kinds[0], kinds[1], kinds[1]])
+        write_trials(
+            tmp_path / f"{name}.parquet", trials_from_table(frame().with_columns(variant=variant))
+        )
+    trials = read_trials(tmp_path)
+    names = [trials.axes[0].value(one) for one in trials.variant[:, 0]]
+    assert names == ["up", "up", "down", "down", "flat", "flat", "up", "up"]
+    (tmp_path / "b.parquet").unlink()
+    frame().with_columns(variant=pl.lit("steep")).write_csv(tmp_path / "b.csv")
+    assert read_trials(tmp_path).axes[0].names == ("down", "steep", "up")
+
+
+def test_a_trial_whose_file_is_not_there_is_told(tmp_path):
+    folder = folder_of_trials(tmp_path / "logs")
+    with (folder / "beside.csv").open("a") as file:
+        file.write("width0.9_net-b_7.csv,1\n")
+    columns = Columns(names="width{variant}_net-{network}_{trial}",
+                      beside=str(folder / "beside.csv"))  # fmt: skip
+    trials = read_trials(folder, columns=columns)
+    assert trials.n_trials == 3
+    assert "beside.csv names `width0.9_net-b_7`, which" in trials.notes[0]
+
+
+@pytest.mark.parametrize("comma", [",", ";"])
+def test_a_table_beside_may_have_decimal_commas_whatever_the_files_have(tmp_path, comma):
+    for name in ("a", "b"):
+        decimal = "0,5" if comma == ";" else "0.5"
+        (tmp_path / f"{name}.csv").write_text(f"time_s{comma}x\n0{comma}{decimal}\n")
+    beside = "file;variant;network;success\na.csv;0,6;n;1\nb;7,5E-1;n;0\n"
+    (tmp_path / "trials.csv").write_text(beside)
+    trials = read_trials(tmp_path)
+    assert trials.variant[:, 0].tolist() == [0.6, 0.75]
+    assert trials.column("x").tolist() == [0.5, 0.5]
 
 
 def test_a_row_of_a_folder_is_called_by_its_file(tmp_path):
@@ -315,6 +533,64 @@ def test_outcomes_in_other_words_are_refused_with_what_to_do(tmp_path):
     with pytest.raises(InputError, match=r"a word \(normal, collision, obstruction\)") as caught:
         read_trials(uci(tmp_path / "uci"), columns=columns)
     assert "--success-word" in str(caught.value)
+
+
+OUTCOMES = "variant{0}network{0}trial{0}end{0}x\n1{0}0{0}0{0}{1}{0}1\n2{0}0{0}0{0}{2}{0}2\n"
+
+
+def ended(folder: Path, separator: str, one: str, another: str, **told):
+    path = folder / "t.csv"
+    path.write_text(OUTCOMES.format(separator, one, another), encoding="utf-8")
+    return read_trials(path, columns=Columns(success="end", **told))
+
+
+def test_rewards_with_decimal_commas_are_above_a_number_or_not(tmp_path):
+    assert ended(tmp_path, ";", "0", "0,9", success_above=0.5).success.tolist() == [False, True]
+    assert ended(tmp_path, ";", "0,51", "-9,5", success_above=0.5).success.tolist() == [True, False]
+    with pytest.raises(InputError, match=r"row 2: `end` is not a number \(timeout\)") as caught:
+        ended(tmp_path, ";", "0,9", "timeout", success_above=0.5)
+    assert "--success" in caught.value.remedy
+    with pytest.raises(InputError, match=r"row 1: `end` is not a number \(0,9\)"):
+        ended(tmp_path, ",", '"0,9"', "1", success_above=0.5)
+
+
+@pytest.mark.parametrize("above", [np.nan, np.inf])
+def test_no_outcome_is_above_what_is_no_number(above):
+    with pytest.raises(ConfigError, match=f"`success_above` is {above}"):
+        Columns(success_above=above)
+
+
+def test_words_of_success_that_no_trial_has_are_told_with_those_there_are(tmp_path):
+    with pytest.raises(InputError, match="no `end` is reachd: there are fell, reached") as caught:
+        ended(tmp_path, ",", "reached", "fell", success_words=("reachd",))
+    assert "--success-word" in caught.value.remedy
+    trials = ended(tmp_path, ",", "Reached ", "fell", success_words=("reached", "partly"))
+    assert trials.success.tolist() == [True, False]
+    assert trials.notes == ("No `end` is partly: there are Reached, fell.",)
+
+
+@pytest.mark.parametrize("word", ["2", "2.0"])
+def test_codes_of_success_are_compared_as_numbers(tmp_path, word):
+    code = {"success": pl.Series([1.0, 2.0, 3.0, None]), "trial": pl.Series([0, 0, 1, 1])}
+    columns = Columns(success_words=(word,))
+    table = frame().with_columns(variant=1, network=0, **code)
+    assert trials_from_table(table, columns=columns).success.tolist() == [True, False]
+    for one in ("2", "2.0", "2.00"):
+        trials = ended(tmp_path, ",", one, "1", success_words=(word,))
+        assert trials.success.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "values", [[[1, 2]] * 4, np.arange(4).astype("m8[s]"), [{"a": 1}] * 4, [object()] * 4]
+)
+@pytest.mark.parametrize(
+    "told", [{}, {"success_above": 0.5}, {"success_words": ("a",)}], ids=["plain", "above", "words"]
+)
+def test_outcomes_that_are_neither_numbers_nor_words_are_told_by_their_rows(values, told):
+    table = frame().to_dict(as_series=False) | {"success": values}
+    with pytest.raises(InputError, match="`success` is") as caught:
+        trials_from_table(table, columns=Columns(**told))
+    assert "damaged" not in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from surmount.cli.main import run
 from surmount.core.errors import InputError
 from surmount.trials.columns import Columns
-from surmount.trials.table import read_trials
+from surmount.trials.table import read_trials, write_trials
+
+CASES = Path(__file__).parent / "cases"
 
 LOG = """StepHeight,Episode,Run,Time,X,Reached
 21,7,a,0.0,1.0,0
@@ -128,3 +134,58 @@ def test_a_variant_that_changes_while_time_goes_on_is_told(tmp_path):
     columns = Columns(variant={"h": "h"}, trial="e", success="s", features={"time_s": "t"})
     with pytest.raises(InputError, match="row 3: `h` changes within a trial"):
         read_trials(tmp_path / "log.csv", columns=columns)
+
+
+def test_a_variant_that_changes_while_time_goes_on_is_told_under_standard_names_too(tmp_path):
+    path, names = tmp_path / "t.csv", "variant,network,trial,time_s,success\n"
+    path.write_text(names + "30,0,0,0.0,0\n30,0,0,0.1,0\n40,0,0,0.2,0\n40,0,0,0.3,1\n")
+    with pytest.raises(InputError, match="row 3: `variant` changes within a trial"):
+        read_trials(path)
+    path.write_text(names + "30,0,0,0.0,0\n30,0,0,0.1,0\n40,0,0,0.0,0\n40,0,0,0.1,1\n")
+    trials = read_trials(path)
+    assert trials.success.tolist() == [False, True]
+    assert trials.notes == ()
+    path.write_text(names + "30,0,0,0.0,0\n30,0,1,0.1,0\n40,0,0,0.2,0\n40,1,0,0.3,1\n")
+    assert read_trials(path).n_trials == 4  # other trials stand between
+
+
+LEFT_OVER = (
+    "variant,variant.a,w,network,run,trial,ep,success,reached,x\n"
+    "20,1,1,0,a,0,0,0,0,0\n20,1,1,0,b,0,1,0,1,1\n21,1,2,0,a,0,2,0,1,2\n21,1,2,0,b,0,3,0,0,3\n"
+)
+
+
+def test_no_column_that_was_replaced_stays_as_a_feature_and_turns_the_outcomes(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text(LEFT_OVER, encoding="utf-8")
+    columns = Columns(variant={"w": "w"}, network="run", trial="ep", success="reached")
+    trials = read_trials(path, columns=columns)
+    assert trials.feature_names == ("x",)
+    assert trials.notes == (
+        "`variant` was left out: the task parameter is `w`.",
+        "`variant.a` was left out: the task parameter is `w`.",
+        "`network` was left out: the network is `run`.",
+        "`trial` was left out: the trial is `ep`.",
+        "`success` was left out: the outcome is `reached`.",
+    )
+    write_trials(tmp_path / "t.csv", trials)
+    again = read_trials(tmp_path / "t.csv")
+    for found in (trials, again):
+        assert found.success.tolist() == [False, True, True, False]
+        assert found.repetition.tolist() == [0, 1, 2, 3]
+        assert found.network_names == ("a", "b")
+        assert found.variant[:, 0].tolist() == [1, 1, 2, 2]
+        assert found.column("x").tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("name", ["success", "network", "trial", "variant", "x"])
+def test_a_feature_by_the_name_of_another_column_is_not_written(tmp_path, name):
+    trials = read_trials(CASES / "small.csv.gz")
+    twice = dataclasses.replace(
+        trials,
+        feature_names=("x", name),
+        features=np.column_stack([trials.features[:, 0]] * 2),
+    )
+    with pytest.raises(InputError, match=f"The feature `{name}` has the name of another column"):
+        write_trials(tmp_path / "t.csv", twice)
+    assert not (tmp_path / "t.csv").exists()

@@ -18,7 +18,7 @@ from surmount.analysis.sensitivity import group_variants, marginal, refits
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
 from surmount.trials.trials import Trials
 
-SuspectKind = Literal["clock", "task"]
+SuspectKind = Literal["clock", "network-clock", "task"]
 _FEWEST_TRIALS = 8
 """Of fewer, ranges that do not overlap may be chance."""
 _CONSTANT = 1e-9
@@ -34,8 +34,8 @@ class Suspect:
     feature
         Its name.
     kind
-        ``"clock"``: it rises over the whole table from trial to trial; ``"task"``: it has a single
-        value on each variant.
+        ``"clock"``: it rises over the whole table from trial to trial; ``"network-clock"``: over
+        the trials of each network; ``"task"``: it has a single value on each variant.
     n_groups
         Groups without all such features.
     agreement
@@ -81,10 +81,9 @@ def find_suspects(
     for name in names:
         values = trials.column(name)
         low, high = _ranges(trials, values)
-        if _is_clock(trials, values, low, high):
-            kinds[name] = "clock"
-        elif _is_task(variant, low, high):
-            kinds[name] = "task"
+        kind = _clock(trials, values, low, high)
+        if kind or _is_task(variant, low, high):
+            kinds[name] = kind or "task"
     if not kinds:
         return ()
     found = _groups_without(trials, names, list(kinds), mixtures, config, reduced, seed)
@@ -124,20 +123,35 @@ def _ranges(trials: Trials, values: FloatArray) -> tuple[FloatArray, FloatArray]
     return np.minimum.reduceat(values, begin), np.maximum.reduceat(values, begin)
 
 
-def _is_clock(trials: Trials, values: FloatArray, low: FloatArray, high: FloatArray) -> bool:
-    """Whether values never fall within a trial, and each trial has a range of its own.
+def _clock(
+    trials: Trials, values: FloatArray, low: FloatArray, high: FloatArray
+) -> SuspectKind | None:
+    """Return which clock a feature is: of the whole table, of each network, or ``None``."""
+    step = np.diff(values, append=values[-1])
+    step[trials.starts[1:] - 1] = 0.0
+    least, most = _ranges(trials, step)
+
+    def rises(one: BoolArray) -> bool:
+        return bool((least[one] >= 0).all()) and _are_apart(
+            low[one], high[one], moving=bool((most[one] > 0).any())
+        )
+
+    if trials.n_trials >= _FEWEST_TRIALS and rises(np.ones(trials.n_trials, dtype=np.bool_)):
+        return "clock"
+    networks = [trials.network == network for network in np.unique(trials.network)]
+    long = [one for one in networks if one.sum() >= _FEWEST_TRIALS]
+    return "network-clock" if long and all(map(rises, long)) else None
+
+
+def _are_apart(low: FloatArray, high: FloatArray, *, moving: bool) -> bool:
+    """Whether each trial has a range of its own.
 
     A value that stands still within trials is a counter where it is a whole number.
     """
-    if low.size < _FEWEST_TRIALS:
-        return False
     order = np.argsort(low, kind="stable")
     if (high[order][:-1] > low[order][1:]).any() or np.unique(low).size < low.size:
         return False
-    step = np.diff(values)
-    step[trials.starts[1:-1] - 1] = 0.0
-    moves = bool((step > 0).any())
-    return bool((step >= 0).all()) and (moves or bool((low == np.floor(low)).all()))
+    return moving or bool((low == np.floor(low)).all())
 
 
 def _is_task(variant: IntArray, low: FloatArray, high: FloatArray) -> bool:

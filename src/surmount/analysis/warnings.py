@@ -81,6 +81,8 @@ def _about_outliers(analysis: Analysis, outliers: Mapping[str, float]) -> list[s
 
 _SUSPECTED = {
     "clock": "rises over the whole table from trial to trial, as a clock or a counter does",
+    "network-clock": "rises within each network from trial to trial, as a clock or a counter does "
+    "that begins anew for each",
     "task": "has a single value on each variant, as the task itself has",
 }
 

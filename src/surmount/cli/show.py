@@ -64,10 +64,16 @@ def _reasons_of_training(path: Path, record: dict[str, Any]) -> list[str]:
     """Return what the teacher of one training decided, in its own words."""
     from surmount.teachers.changes import describe_changes
 
-    told = [*record["level_tests"], *record.get("changes", ())]
-    if not told:
-        return [f"{path}: its teacher made no decisions; it trained {record['steps']:,} steps."]
-    return describe_changes(f"What its teacher did in {record['steps']:,} steps", told)
+    try:
+        told, steps = [*record["level_tests"], *record.get("changes", ())], f"{record['steps']:,}"
+        if not told:
+            return [f"{path}: its teacher made no decisions; it trained {steps} steps."]
+        return describe_changes(f"What its teacher did in {steps} steps", told)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{path} is no record of a training ({type(error).__name__}: {error}).",
+            remedy="Give the training.json of a run's stage.",
+        ) from error
 
 
 def _changes_in_run(folder: Path) -> list[str]:

@@ -143,7 +143,7 @@ def parse_record(content: bytes, source: str) -> dict[str, Any]:
     Parameters
     ----------
     content
-        UTF-8 text.
+        UTF-8 text, with or without mark.
     source
         How errors name it.
 
@@ -154,7 +154,7 @@ def parse_record(content: bytes, source: str) -> dict[str, Any]:
         object.
     """
     try:
-        record = parse_json(content.decode("utf-8"))
+        record = parse_json(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise InputError(
             f"{source} cannot be read ({error}).", remedy="Give the path of a readable JSON file."

@@ -45,7 +45,7 @@ def read_episodes(artefact: Artefact, parameters: Sequence[str]) -> TrainingEpis
     """Read the episodes of a training stage."""
     import polars as pl  # noqa: PLC0415 - optional, only where Parquet is asked for
 
-    table = pl.read_parquet(artefact.path(EPISODES_FILE))
+    table = pl.read_parquet(artefact.path(EPISODES_FILE), glob=False)
     columns = [f"variant.{name}" for name in parameters]
     return TrainingEpisodes(
         budget=int(read_record(artefact.path(TRAINING_FILE))["steps"]),

@@ -188,7 +188,7 @@ def _training(artefact: Artefact, analysis: Analysis | None) -> TrainingResult:
     path, table = artefact.path(TRAINING_FILE), artefact.path(HISTORY_FILE)
     record = read_run_record(path)
     with reading(table):
-        history = pl.read_parquet(table)
+        history = pl.read_parquet(table, glob=False)
         steps = history["steps"].to_numpy().astype(np.int64)
         reward = history["reward"].to_numpy().astype(np.float64)
         success = [None if value is None else float(value) for value in history["success"]]

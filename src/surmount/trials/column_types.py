@@ -23,7 +23,9 @@ MISSING_WORDS = ("", "NA", "N/A", "n/a", "NaN", "nan", "NAN", "NaT", "null", "NU
 _YES = ("1", "1.0", "true", "t", "yes", "y", "success", "succeeded", "successful")
 _NO = ("0", "0.0", "false", "f", "no", "n", "failure", "failed", "fail")
 _TRUTHS = {"true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0}
-_COMMA = r"^[+-]?\d*,\d+$"
+DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
+"""A number with a comma for its decimals, as a regular expression."""
+_THOUSANDS = r"^[+-]?[1-9]\d{0,2},\d{3}$"
 _EXACT = 2**53
 """Whole numbers up to here are floating-point numbers exactly."""
 Kind = Literal["number", "instant", "label", "category"]
@@ -113,7 +115,10 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
             name = pl.concat_str(name, singles["trial"][0].cast(pl.String), separator=":")
         singles["trial"] = (name, pl.String())
     labels = [singles[key] for key in ("network", "trial") if key in singles]
-    survey = _Survey(source, [*features.values(), *parameters.values()], labels)
+    numbers = [*features.values(), *parameters.values()]
+    if "success" in singles and columns.success_above is not None:
+        numbers.append(singles["success"])
+    survey = _Survey(source, numbers, labels)
 
     def label(key: str) -> Field | None:
         if key not in singles:
@@ -128,7 +133,7 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
             raw=raw,
             type=kind,
             kind="number",
-            expression=outcome(raw, kind, columns),
+            expression=_outcome(roles.success, raw, kind, columns, survey),
         )
     plan = Plan(
         n_rows=survey.n_rows,
@@ -149,18 +154,25 @@ def plan_reading(source: Source, roles: Roles, columns: Columns, problems: Probl
             f"`{survey.with_commas[0]}` has decimal commas and `{survey.with_points[0]}` points",
             "Write all decimals alike, and no separators of thousands.",
         )
+    elif survey.with_thousands and survey.with_thousands == survey.with_commas:
+        problems.add(
+            f"`{survey.with_thousands[0]}` has commas that may separate decimals or thousands",
+            "Write decimals with points, and no separators of thousands.",
+        )
     return plan
 
 
-def outcome(raw: pl.Expr, kind: Any, columns: Columns) -> pl.Expr:
+def _outcome(name: str, raw: pl.Expr, kind: Any, columns: Columns, survey: _Survey) -> pl.Expr:
     """Return outcomes as 1.0 and 0.0, null where they are missing, NaN where they are neither."""
+    if not (_is_number(kind) or _is_text(kind)):
+        return pl.when(raw.is_not_null()).then(float("nan"))
     if columns.success_words:
-        words = [word.strip().lower() for word in columns.success_words]
-        return cleaned(raw, kind).str.to_lowercase().is_in(words).cast(pl.Float64)
+        return is_any_of(columns.success_words, raw, kind).cast(pl.Float64)
     if columns.success_above is not None:
-        numbers = cleaned(raw, kind).cast(pl.Float64, strict=False) if _is_text(kind) else raw
-        above = numbers.cast(pl.Float64).fill_nan(None) > columns.success_above
-        return above.cast(pl.Float64)
+        number = _number(name, raw, kind, survey).expression.fill_nan(None)
+        there = cleaned(raw, kind) if _is_text(kind) else number
+        above = pl.coalesce((number > columns.success_above).cast(pl.Float64), float("nan"))
+        return pl.when(there.is_not_null()).then(above)
     if kind == pl.Boolean:
         return raw.cast(pl.Float64)
     if kind.is_numeric():
@@ -180,6 +192,15 @@ def outcome(raw: pl.Expr, kind: Any, columns: Columns) -> pl.Expr:
         .then(0.0)
         .otherwise(float("nan"))
     )
+
+
+def is_any_of(words: Sequence[str], raw: pl.Expr, kind: Any) -> pl.Expr:
+    """Return whether entries are any of some words, or of the numbers that these stand for."""
+    entry = cleaned(raw, kind).str.to_lowercase()
+    wanted = pl.Series([word.strip().lower() for word in words])
+    numbers = wanted.cast(pl.Float64, strict=False).drop_nulls()
+    same = entry.cast(pl.Float64, strict=False).is_in(numbers.implode())
+    return entry.is_in(wanted.implode()) | (entry.is_not_null() & same.fill_null(value=False))
 
 
 def cleaned(raw: pl.Expr, kind: Any) -> pl.Expr:
@@ -202,7 +223,9 @@ class _Survey:
 
     def __init__(self, source: Source, numbers: Sequence[Entry], labels: Sequence[Entry]) -> None:
         self.commas = source.decimal_commas
+        self.told = source.told
         self.with_commas: list[str] = []
+        self.with_thousands: list[str] = []
         self.with_points: list[str] = []
         text = {str(raw): (raw, kind) for raw, kind in (*numbers, *labels) if _is_text(kind)}
         places = {key: str(place) for place, key in enumerate(text)}
@@ -237,7 +260,7 @@ class _Survey:
         return self._counts[str(raw)][measure]
 
 
-_MEASURES = ("filled", "whole", "numbers", "commas", "points")
+_MEASURES = ("filled", "whole", "numbers", "commas", "thousands", "points")
 
 
 def _measures(text: pl.Expr) -> dict[str, pl.Expr]:
@@ -245,7 +268,8 @@ def _measures(text: pl.Expr) -> dict[str, pl.Expr]:
         "filled": text.is_not_null(),
         "whole": _canonical(text).is_not_null(),
         "numbers": text.cast(pl.Float64, strict=False).is_not_null(),
-        "commas": text.str.contains(_COMMA),
+        "commas": text.str.contains(DECIMAL_COMMA),
+        "thousands": text.str.contains(_THOUSANDS),
         "points": text.str.contains(".", literal=True),
     }
 
@@ -303,7 +327,7 @@ def _number(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
         return field(raw.cast(pl.Float64))
     if not _is_text(kind):
         return field(pl.lit(None, dtype=pl.Float64))
-    if survey.count(raw, "points"):
+    if survey.count(raw, "points") and name not in survey.told:
         survey.with_points.append(name)
     if survey.plain(raw):
         return field(raw.cast(pl.String).cast(pl.Float64, strict=False))
@@ -312,6 +336,8 @@ def _number(name: str, raw: pl.Expr, kind: Any, survey: _Survey) -> Field:
     commas = survey.count(raw, "commas")
     if survey.commas and commas and not survey.count(raw, "points"):
         survey.with_commas.append(name)
+        if survey.count(raw, "thousands") == commas:
+            survey.with_thousands.append(name)
         return field(text.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False))
     truths = text.str.to_lowercase().replace_strict(_TRUTHS, default=None, return_dtype=pl.Float64)
     return field(value if commas else pl.coalesce(value, truths))

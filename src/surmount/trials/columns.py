@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,6 +12,11 @@ TIME = "time_s"
 KEYS = ("network", "trial", "success")
 FILE_COLUMN = "surmount.file"
 """Column that holds the name of the file a row is from, where there are several."""
+
+
+def is_own_column(name: str) -> bool:
+    """Whether a table of trials has a column of this name that holds no feature."""
+    return name in ("variant", *KEYS) or name.startswith("variant.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,17 +63,28 @@ class Columns:
 
     def __post_init__(self) -> None:
         for name in self.features:
-            if name in ("variant", *KEYS) or name.startswith("variant.") or name in self.variant:
+            if is_own_column(name) or name in self.variant:
                 what = "a task parameter" if name in self.variant else "a column of its own"
                 raise ConfigError(
                     f"A feature cannot be named `{name}`, which is {what} in a table of trials.",
                     remedy="Give the feature another name.",
                 )
+        if self.success_above is not None and not math.isfinite(self.success_above):
+            raise ConfigError(
+                f"`success_above` is {self.success_above}, which no outcome is above or below.",
+                remedy="Give a number.",
+            )
         if self.success_above is not None and self.success_words:
             raise ConfigError(
                 "`success_above` and `success_words` are both given.",
                 remedy="Say either above which number, or by which words a trial succeeded.",
             )
+
+    @property
+    def named(self) -> frozenset[str]:
+        """All columns that were named."""
+        keys = filter(None, [self.network, self.trial, self.success])
+        return frozenset([*self.variant.values(), *self.features.values(), *keys])
 
     @property
     def mapped(self) -> bool:

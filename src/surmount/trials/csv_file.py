@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import csv
 import gzip
+import inspect
 import io
+import zlib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 
@@ -20,11 +23,17 @@ from surmount.core.errors import InputError
 from surmount.trials.source import POLARS_ERRORS, Source
 
 _SEPARATORS = (",", ";", "\t", "|")
+_BLANK = f'{"".join(_SEPARATORS)} \r\n"'
+_SHORT_ROWS: dict[str, Any] = (
+    {"missing_columns": "insert"}
+    if "missing_columns" in inspect.signature(pl.scan_csv).parameters
+    else {}
+)
+"""Lets the first row be as short as others may be; Polars before 1.39 needs not be told."""
 _HEAD_CHARACTERS = 1 << 18
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _UNNAMED = "surmount.unnamed."
 _FILLED = "surmount.filled"
-_INDEX_NOTE = "The first column, which has no name, numbers rows: it was left out."
 CSV_ENDINGS = (".csv", ".tsv", ".txt")
 
 
@@ -50,11 +59,16 @@ def open_csv(path: Path) -> Source:
         head = _head(content)
     except UnicodeDecodeError as error:
         raise _not_utf8(path, error) from error
-    except (OSError, EOFError, ValueError, *POLARS_ERRORS) as error:
+    except (OSError, EOFError, zlib.error, ValueError, *POLARS_ERRORS) as error:
         raise InputError(
             f"{path} cannot be read ({_first_line(error)}).",
             remedy="Give the path of a readable table.",
         ) from error
+    if "\r" in head and "\n" not in head:
+        raise InputError(
+            f"{path} ends its lines by CR (carriage return) alone.",
+            remedy="Save it with line ends of LF or CRLF.",
+        )
     separator, header, skipped = _header(head)
     if not header:
         return Source(name=str(path), frame=pl.LazyFrame())
@@ -71,6 +85,8 @@ def open_csv(path: Path) -> Source:
         skip_lines=skipped,
         separator=separator,
         schema=dict.fromkeys(names, pl.String),
+        glob=False,
+        **_SHORT_ROWS,
     )
     # As a column: as a predicate it takes time quadratic in the number of columns.
     marked = whole.with_columns(pl.any_horizontal(pl.all().is_not_null()).alias(_FILLED))
@@ -93,9 +109,7 @@ def open_csv(path: Path) -> Source:
 
 def _head(content: Path | bytes) -> str:
     """Return the first characters of a file, whole lines where there are several."""
-    if isinstance(content, bytes):
-        return content[:_HEAD_CHARACTERS].decode("utf-8", "ignore").removeprefix("\ufeff")
-    if content.suffix in (".zst", ".zstd"):  # Python has no reader of its own before 3.14
+    if _is_zstd(content):
         lines = pl.read_csv(
             content,
             has_header=False,
@@ -104,21 +118,35 @@ def _head(content: Path | bytes) -> str:
             n_rows=20,
             infer_schema=False,
             truncate_ragged_lines=True,
+            glob=False,
         )
         return "\n".join(str(line or "") for line in lines.to_series()) + "\n"
-    opened = gzip.open if content.suffix == ".gz" else io.open
-    with opened(content, "rt", encoding="utf-8-sig", newline="") as file:
-        text = file.read(_HEAD_CHARACTERS)
-    return str(text)
+    with _opened(content) as text:
+        return text.read(_HEAD_CHARACTERS)
+
+
+def _is_zstd(content: Path | bytes) -> bool:
+    """Whether content is compressed so that Python before 3.14 has no reader of its own."""
+    return isinstance(content, Path) and content.suffix.lower() in (".zst", ".zstd")
+
+
+def _opened(content: Path | bytes) -> io.TextIOWrapper:
+    binary: Any = io.BytesIO(content) if isinstance(content, bytes) else None
+    if isinstance(content, Path):
+        opened = gzip.open if content.suffix.lower() == ".gz" else io.open
+        binary = opened(content, "rb")
+    return io.TextIOWrapper(binary, encoding="utf-8-sig", newline="")
 
 
 def _header(head: str) -> tuple[str, list[str], int]:
     """Return the separator, the names of the columns and the lines before the first row."""
-    lines, skipped, separators = head, 0, _SEPARATORS
-    first, _, rest = head.partition("\n")
+    lines, skipped = _without_blank_lines(head, 0)
+    separators = _SEPARATORS
+    first, _, rest = lines.partition("\n")
     if first.strip().strip('"').lower().startswith("sep="):
         named = first.strip("\r\n").strip('"')[len("sep=") :]
-        lines, skipped, separators = rest, 1, (named[:1] or "\t",)
+        lines, skipped = _without_blank_lines(rest, skipped + 1)
+        separators = (named[:1] or "\t",)
     found: list[tuple[str, list[str], int]] = []
     for separator in separators:
         reader = csv.reader(io.StringIO(lines, newline=""), delimiter=separator)
@@ -132,10 +160,18 @@ def _header(head: str) -> tuple[str, list[str], int]:
     return max(found, key=lambda one: len(one[1]))  # of several as good, the first
 
 
+def _without_blank_lines(lines: str, skipped: int) -> tuple[str, int]:
+    """Return lines without the first ones that are blank, and how many were skipped in all."""
+    while lines and not lines.partition("\n")[0].strip(_BLANK):
+        lines, skipped = lines.partition("\n")[2], skipped + 1
+    return lines, skipped
+
+
 def _explain(
     path: Path, content: Path | bytes, separator: str, n_columns: int, skipped: int
 ) -> None:
-    """Raise what is wrong with a file."""
+    """Raise what is wrong with a file; of quotes only if there are some in entries."""
+    quoted = False
     try:
         for row, entries in enumerate(_rows(content, separator, skipped), start=1):
             if len(entries) > n_columns:
@@ -144,47 +180,40 @@ def _explain(
                     remedy="Give each row one entry per column, and quote entries that hold the "
                     "separator.",
                 )
+            quoted = quoted or any('"' in entry for entry in entries)
     except UnicodeDecodeError as error:
         raise _not_utf8(path, error) from error
-    except (OSError, EOFError):
+    except (OSError, EOFError, zlib.error):
         return
     except csv.Error:
-        pass
-    raise InputError(
-        f"{path} cannot be read as CSV: a quote is opened and not closed, or stands in the middle "
-        "of an entry.",
-        remedy="Quote whole entries, and double the quotes inside.",
-    )
+        quoted = True
+    if quoted:
+        raise InputError(
+            f"{path} cannot be read as CSV: a quote is opened and not closed, or stands in the "
+            "middle of an entry.",
+            remedy="Quote whole entries, and double the quotes inside.",
+        )
 
 
 def _rows(content: Path | bytes, separator: str, skipped: int) -> Iterator[list[str]]:
-    if isinstance(content, bytes):
-        binary: io.BufferedIOBase = io.BytesIO(content)
-    elif content.suffix in (".zst", ".zstd"):
+    if _is_zstd(content):
         return
-    else:
-        opened = gzip.open if content.suffix == ".gz" else io.open
-        binary = opened(content, "rb")  # type: ignore[assignment]
-    with binary, io.TextIOWrapper(binary, encoding="utf-8-sig", newline="") as text:
+    with _opened(content) as text:
         for _ in range(skipped):
             text.readline()
-        yield from csv.reader(text, delimiter=separator)
+        yield from csv.reader(text, delimiter=separator, strict=True)
 
 
 def _without_unnamed(source: Source, names: list[str]) -> Source:
-    """Leave out columns that have no name: an index of rows, or blank tails of lines."""
+    """Leave out columns that have neither a name nor entries: blank tails of lines."""
     unnamed = [name for name in names if name.startswith(_UNNAMED)]
     if not unnamed:
         return source
     filled = source.collect(source.frame.select(pl.col(unnamed).is_not_null().any()))
-    index = names[0] in unnamed and bool(filled[names[0]].item())
-    kept = [name for name in unnamed if filled[name].item() and name != names[0]]
+    kept = [name for name in unnamed if filled[name].item()]
     frame = source.frame.drop([name for name in unnamed if name not in kept])
-    return replace(
-        source,
-        frame=frame.rename({name: " " * place for place, name in enumerate(kept, start=1)}),
-        notes=(_INDEX_NOTE,) if index else (),
-    )
+    blanks = {name: " " * place for place, name in enumerate(kept, start=1)}
+    return replace(source, frame=frame.rename(blanks))
 
 
 def _not_utf8(path: Path, error: UnicodeDecodeError) -> InputError:

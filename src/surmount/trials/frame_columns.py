@@ -44,6 +44,7 @@ def open_frame(table: Any, name: str) -> Source:
     problems = Problems()
     keys: list[Any] = list(getattr(table, "columns", table))
     names = [str(key) for key in keys]
+    levels = _index_levels(table, names)
     again = sorted(one for one, times in Counter(names).items() if times > 1)
     for one in again:
         problems.add(f"several columns have the name `{one}`", "Name each column once.")
@@ -51,7 +52,7 @@ def open_frame(table: Any, name: str) -> Source:
         column: _series(column, table[key])
         for column, key in zip(names, keys, strict=True)
         if column not in again
-    }
+    } | {column: _series(column, values) for column, values in levels.items()}
     odd = [column for column, series in found.items() if series is None]
     for column in odd:
         problems.add(f"`{column}` has not one value per row", "Give one number per row.")
@@ -60,7 +61,26 @@ def open_frame(table: Any, name: str) -> Source:
         listed = ", ".join(f"{column} {series.len()}" for column, series in columns.items())
         problems.add(f"columns differ in length ({listed})", "Give each column one entry per row.")
     problems.raise_if_any(name)
-    return Source(name=name, frame=pl.DataFrame(columns).lazy())
+    notes = (f"The index `{level}` was read as a column." for level in levels)
+    return Source(name=name, frame=pl.DataFrame(columns).lazy(), notes=tuple(notes))
+
+
+def _index_levels(table: Any, names: list[str]) -> dict[str, Any]:
+    """Return what the index of a frame of pandas says besides the numbers of its rows.
+
+    Levels without a name get the one that pandas writes for them. Whole numbers without a name are
+    those of rows, and a level of a column's name is that column.
+    """
+    index = getattr(table, "index", None)
+    levels: dict[str, Any] = {}
+    for place, level in enumerate(getattr(index, "names", ())):
+        values = index.get_level_values(place)  # type: ignore[union-attr]
+        if level is None and values.dtype.kind in "iu" and len(index.names) == 1:  # type: ignore[union-attr]
+            continue
+        name = f"__index_level_{place}__" if level is None else str(level)
+        if name not in names:
+            levels[name] = values
+    return levels
 
 
 def _series(name: str, values: Any) -> pl.Series | None:
@@ -111,11 +131,12 @@ def _of_objects(name: str, entries: list[Any]) -> pl.Series:
             return pl.Series(name, kept)
     except (TypeError, ValueError, OverflowError, *POLARS_ERRORS):
         pass  # as text, and then told as what it is
-    return pl.Series(name, [None if e is None else _text(e) for e in kept], dtype=pl.String)
+    return pl.Series(name, [None if e is None else as_text(e) for e in kept], dtype=pl.String)
 
 
-def _text(entry: object) -> str:
-    text = str(entry)
+def as_text(entry: object) -> str:
+    """Return an entry as text; bytes, as HDF5 and NumPy keep text, are UTF-8."""
+    text = entry.decode("utf-8", "replace") if isinstance(entry, bytes) else str(entry)
     return text.encode("utf-8", "replace").decode() if not text.isascii() else text
 
 

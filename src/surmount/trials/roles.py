@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surmount.core.names import LONGEST_NAME, is_printable
-from surmount.trials.columns import FILE_COLUMN, KEYS, TIME, Columns
+from surmount.trials.columns import FILE_COLUMN, KEYS, TIME, Columns, is_own_column
 from surmount.trials.table_problems import Problems
 
 _KNOWN = {
@@ -20,8 +19,6 @@ _LEROBOT = "episode_index"
 MARK_OF_END = "next.done"
 """LeRobot's mark of an episode's last step, which is an outcome only where some lack it."""
 _LEROBOT_COUNTERS = ("frame_index", "index", "task_index", "timestamp")
-_INDEX_OF_ROWS = re.compile(r"__index_level_\d+__|Unnamed: \d+")
-"""Names that pandas gives to numbers of rows when it writes them as a column."""
 _REMEDIES = {
     "variant": "Add the task parameter of each row as `variant`, or as `variant.<name>` for each "
     "of several parameters; or name its column with `--variant name=column`.",
@@ -67,10 +64,8 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
     problems
         Where problems are noted.
     """
-    wanted = [*columns.variant.values(), *columns.features.values(),
-              *filter(None, [columns.network, columns.trial, columns.success])]  # fmt: skip
     present = set(names)
-    for name in sorted({column for column in wanted if not _is_there(column, present)}):
+    for name in sorted(column for column in columns.named if not _is_there(column, present)):
         problems.add(f"column `{name}` is missing", f"It has {', '.join(names[:20])}.")
     _check_names(names, problems)
     several = [name for name in names if name.startswith("variant.") and name != "variant."]
@@ -95,13 +90,9 @@ def find_roles(names: tuple[str, ...], columns: Columns, problems: Problems) -> 
     features = dict(columns.features)
     if not features:
         taken = {*parameters.values(), *found.values(), FILE_COLUMN}
-        features = {name: name for name in names if name not in taken}
-        indices = [name for name in features if _INDEX_OF_ROWS.fullmatch(name)]
-        if indices:
-            notes.append(
-                f"{_listed(indices)} numbers rows, as pandas writes them: it was left out."
-            )
-        features = {name: name for name in features if name not in indices}
+        left = [name for name in names if name not in taken]
+        notes += [_left_out(name, parameters, found) for name in left if is_own_column(name)]
+        features = {name: name for name in left if not is_own_column(name)}
         if lerobot:
             features = _lerobot_features(features, notes)
     if not features:
@@ -130,6 +121,14 @@ def _is_there(column: str, present: set[str]) -> bool:
 
 def _known(key: str, present: set[str]) -> str:
     return next((name for name in _KNOWN[key] if name in present), "")
+
+
+def _left_out(name: str, parameters: Mapping[str, str], found: Mapping[str, str]) -> str:
+    """Say why a column is no feature though nothing is read from it: another has its role."""
+    columns = [found[name]] if name in found else list(parameters.values())
+    role = {"success": "outcome", "variant": "task parameter"}.get(name.partition(".")[0], name)
+    verb = " is" if len(columns) == 1 else "s are"
+    return f"`{name}` was left out: the {role}{verb} {_listed(columns)}."
 
 
 def _lerobot_features(features: Mapping[str, str], notes: list[str]) -> dict[str, str]:

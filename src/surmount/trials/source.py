@@ -43,6 +43,8 @@ class Source:
         How a row, counted from 0, is called: by its number, or with its file.
     decimal_commas
         Whether numbers may have commas for decimals, because columns are separated otherwise.
+    told
+        Columns that do not stand in it but in names of files, or in a table beside.
     notes
         What was left out while it was opened, in sentences.
     axes
@@ -55,6 +57,7 @@ class Source:
     frame: pl.LazyFrame
     place: Callable[[int], str] = _row_number
     decimal_commas: bool = False
+    told: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
     axes: Mapping[str, Any] = field(default_factory=dict[str, Any])
     explain: Callable[[], None] = _nothing_more_is_known

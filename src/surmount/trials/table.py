@@ -15,11 +15,13 @@ from typing import Any
 import numpy as np
 
 from surmount.core.axis import axes_to_record
+from surmount.core.errors import InputError
 from surmount.trials.checksum import without_panics
 from surmount.trials.columns import Columns
 from surmount.trials.frame_columns import open_frame
 from surmount.trials.log_folder import open_path
 from surmount.trials.roles import find_roles
+from surmount.trials.row_numbers import without_row_numbers
 from surmount.trials.source import Source
 from surmount.trials.table_file import write_columns
 from surmount.trials.table_problems import Problems
@@ -101,14 +103,21 @@ def write_trials(path: Path | str, trials: Trials) -> None:
     Raises
     ------
     InputError
-        If the path ends neither in ``.parquet`` nor in ``.csv``.
+        If the path ends neither in ``.parquet`` nor in ``.csv``, or a feature has the name of
+        another column.
     """
     axes = axes_to_record(trials.axes, trials.parameters)
     write_columns(Path(path), trials_to_table(trials), axes)
 
 
 def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
-    """Return trials as columns of equal length, one row per control step; names stay names."""
+    """Return trials as columns of equal length, one row per control step; names stay names.
+
+    Raises
+    ------
+    InputError
+        If a feature has the name of another column.
+    """
     lengths = trials.lengths
     table: dict[str, np.ndarray[Any, Any]] = {}
     for index, (name, axis) in enumerate(zip(trials.parameters, trials.axes, strict=True)):
@@ -122,12 +131,18 @@ def trials_to_table(trials: Trials) -> dict[str, np.ndarray[Any, Any]]:
     table["trial"] = np.repeat(trials.repetition, lengths)
     table["success"] = np.repeat(trials.success, lengths)
     for index, name in enumerate(trials.feature_names):
+        if name in table:
+            raise InputError(
+                f"The feature `{name}` has the name of another column of a table of trials.",
+                remedy="Give the feature another name.",
+            )
         table[name] = trials.features[:, index]
     return table
 
 
 def _read(source: Source, columns: Columns, minimum_variants: int, minimum_samples: int) -> Trials:
     problems = Problems(place=source.place)
+    source = without_row_numbers(source, columns, problems)
     roles = find_roles(tuple(source.schema()), columns, problems)
     return read_source(
         source,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import json
 import secrets
 from collections.abc import Mapping
@@ -57,8 +58,9 @@ def open_file(path: Path) -> Source:
         return open_csv(path)
     if kind == ".parquet":
         axes = _axes_said(path)
-        return Source(name=str(path), frame=pl.scan_parquet(path), axes=axes)
-    return Source(name=str(path), frame=pl.scan_ipc(path))
+        return Source(name=str(path), frame=pl.scan_parquet(path, glob=False), axes=axes)
+    exact = glob.escape(str(path))  # Polars before 1.36 has no `glob=False` here
+    return Source(name=str(path), frame=pl.scan_ipc(exact))
 
 
 def _axes_said(path: Path) -> Mapping[str, Any]:

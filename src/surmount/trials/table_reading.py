@@ -19,10 +19,17 @@ from surmount.trials.row_groups import RowGroups, group_rows
 from surmount.trials.source import Source, require_memory
 from surmount.trials.table_problems import Problems
 from surmount.trials.trials import Trials
-from surmount.trials.value_problems import note_bad_labels, note_bad_numbers, note_bad_outcomes
+from surmount.trials.value_problems import (
+    note_absent_words,
+    note_bad_labels,
+    note_bad_numbers,
+    note_bad_outcomes,
+)
 
-_SAME = 1e-9
-"""Relative difference below which two values of a task parameter are taken for one."""
+_SAME = 2e-7
+"""Relative difference that rounding to 32 bits may make (6e-8 for each value), with some room."""
+_SAME_AS_ZERO = 1e-9
+"""Difference, as a share of the largest value, that what should be 0 may have from it."""
 
 
 def read_source(
@@ -72,8 +79,8 @@ def read_source(
             "Name the column of the outcome with `--success`; a reward with `--success-above` too.",
         )
     features = reader.features(rows)
-    if columns.mapped:
-        _check_numbering(rows, reader, features)
+    if columns.mapped or TIME in plan.features:
+        _check_numbering(rows, reader, features, mapped=columns.mapped)
     network, names = reader.numbered("network", rows)
     if not all(map(is_printable, names)):
         problems.add(
@@ -117,8 +124,10 @@ class _Reader:
         self._frame = frame.with_columns(pl.lit(0).alias(name) for name in absent)
         before = len(problems.found)
         if plan.success:
-            note_bad_outcomes(plan.success, frame["success"], source, problems)
+            note_bad_outcomes(plan.success, frame["success"], source, columns, problems)
         self._outcomes_said = len(problems.found) == before
+        if plan.success and columns.success_words and self._outcomes_said:
+            self.notes += note_absent_words(plan.success, columns.success_words, source, problems)
         before = len(problems.found)
         for name, one in {**parameters, **labels}.items():
             if one and one.kind == "number":
@@ -285,8 +294,8 @@ def _check_variants(
         if axis.discrete:
             continue
         values = np.unique(column)
-        close = np.flatnonzero(np.diff(values) <= _SAME * np.abs(values[1:]))
-        for left, right in zip(values[close], values[close + 1], strict=True):
+        close = _rounded_apart(values)
+        for left, right in zip(values[:-1][close], values[1:][close], strict=True):
             problems.add(
                 f"variants {float(left)!r} and {float(right)!r} differ by rounding only",
                 "Write the same number on all rows of a variant.",
@@ -300,8 +309,25 @@ def _check_variants(
             )
 
 
-def _check_numbering(rows: RowGroups, reader: _Reader, features: FloatArray) -> None:
-    """Note trials of a log whose variant changes on the way, or say that numbers repeat.
+def _rounded_apart(values: FloatArray) -> BoolArray:
+    """Whether each of ascending values differs from the next by rounding only, ``(value - 1,)``.
+
+    Whole numbers are exact, and small numbers are no zeros where all are positive, as on a
+    logarithmic axis.
+    """
+    size = np.abs(values)
+    near = _SAME * np.maximum(size[1:], size[:-1])
+    if values[0] <= 0:
+        near = np.maximum(near, _SAME_AS_ZERO * size.max())
+    whole = values == np.floor(values)
+    close: BoolArray = (np.diff(values) <= near) & ~(whole[1:] & whole[:-1])
+    return close
+
+
+def _check_numbering(
+    rows: RowGroups, reader: _Reader, features: FloatArray, *, mapped: bool
+) -> None:
+    """Note trials whose variant changes on the way, or say of a log that numbers repeat.
 
     Where a number of a trial comes again with another variant, the trials were numbered anew for
     each variant if time begins anew there. Without a time, they were if most numbers come again.
@@ -332,7 +358,7 @@ def _check_numbering(rows: RowGroups, reader: _Reader, features: FloatArray) -> 
         f"{_listed(tuple(reader.plan.parameters))} changes within a trial",
         "Give each trial one number: count on after each reset, also where the task changes.",
     )
-    if not same.any():
+    if mapped and not same.any():
         reader.notes.append(
             "Numbers of trials come again on other variants: those are read as other trials."
         )

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import polars as pl
 
 from surmount.core.arrays import IntArray
-from surmount.trials.column_types import Field, cleaned
+from surmount.trials.column_types import DECIMAL_COMMA, Field, cleaned, is_any_of
+from surmount.trials.columns import Columns
 from surmount.trials.source import Source
 from surmount.trials.table_problems import Problems
 
 _LARGEST_VALUE = 1e100
 """Larger values count as infinite: their squares overflow."""
 _EXACT = 2**53
-_DECIMAL_COMMA = r"^[+-]?\d*,\d+$"
+_SHOWN_WORDS = 10
 _ABOVE = "or say above which value it is one, with `--success-above`"
 
 
@@ -63,7 +66,7 @@ def note_bad_numbers(
     word = ~missing & ~infinite
     commas = np.zeros(bad.size, dtype=np.bool_)
     if raw.dtype == pl.String:
-        commas = word & raw.str.contains(_DECIMAL_COMMA).fill_null(value=False).to_numpy()
+        commas = word & raw.str.contains(DECIMAL_COMMA).fill_null(value=False).to_numpy()
     problems.rows(
         bad[commas],
         f"`{name}` has decimal commas",
@@ -104,13 +107,22 @@ def note_bad_labels(field: Field, values: pl.Series, source: Source, problems: P
     )
 
 
-def note_bad_outcomes(field: Field, values: pl.Series, source: Source, problems: Problems) -> None:
+def note_bad_outcomes(
+    field: Field, values: pl.Series, source: Source, columns: Columns, problems: Problems
+) -> None:
     """Note the rows where an outcome says neither success nor failure."""
     bad = np.flatnonzero(values.is_nan().fill_null(value=False).to_numpy())
     if not bad.size:
         return
     raw = _raw(field, source, bad)
     shown = ", ".join(str(value) for value in raw.unique(maintain_order=True).head(3).to_list())
+    if columns.success_above is not None:
+        problems.rows(
+            bad,
+            f"`{field.name}` is not a number ({shown}), so that it is not above one either",
+            "Write numbers as outcomes, or name a column that holds some, with `--success`.",
+        )
+        return
     number = raw.cast(pl.Float64, strict=False) if _castable(raw) else None
     numeric = number is not None and number.is_not_null().all()
     codes = numeric and bool((number == number.floor()).all())  # type: ignore[union-attr]
@@ -125,6 +137,33 @@ def note_bad_outcomes(field: Field, values: pl.Series, source: Source, problems:
             "failure for one that did not, or say which words mean success, with `--success-word`."
         )
     problems.rows(bad, f"`{field.name}` is neither 0 nor 1 but {what} ({shown})", remedy)
+
+
+def note_absent_words(
+    field: Field, words: Sequence[str], source: Source, problems: Problems
+) -> list[str]:
+    """Note that no outcome is any of the words that mean success, so that all trials would fail.
+
+    Returns
+    -------
+    list
+        A sentence if no outcome is some of several words.
+    """
+    measures = [is_any_of([word], field.raw, field.type).any().alias(word) for word in words]
+    heard = source.collect(source.frame.select(measures)).row(0)
+    absent = [word for word, one in zip(words, heard, strict=True) if not one]
+    if not absent:
+        return []
+    raw = cleaned(field.raw, field.type).drop_nulls().unique().sort().alias("raw")
+    there = source.collect(source.frame.select(raw))["raw"].head(_SHOWN_WORDS).to_list()
+    said = f"`{field.name}` is {' or '.join(absent)}: there are {', '.join(there) or 'none'}"
+    if len(absent) < len(words):
+        return [f"No {said}."]
+    problems.add(
+        f"no {said}",
+        "Name those that mean success, with `--success-word`; where no trial succeeded, write 0.",
+    )
+    return []
 
 
 def _raw(field: Field, source: Source, rows: IntArray) -> pl.Series:
