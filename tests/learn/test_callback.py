@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from own_point import PointEnv, make_env
 from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
@@ -21,6 +22,7 @@ from surmount.tasks.regions import Regions
 from surmount.tasks.space import TaskSpace
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
+from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.replay import ReplayConfig, ReplayTeacher
 from surmount.teachers.uniform import UniformTeacher
@@ -232,6 +234,62 @@ def test_episodes_that_are_begun_again_are_marked_as_begun():
         10, callback=TeacherCallback(UniformTeacher(NEAR, 500)), reset_num_timesteps=False
     )
     assert learner.rollout_buffer.episode_starts[0].tolist() == [1.0, 1.0]
+
+
+PIECES = {
+    PPO: {"n_steps": 5, "batch_size": 10, "n_epochs": 1},
+    SAC: {"learning_starts": 500, "buffer_size": 500},
+}
+
+
+@pytest.mark.parametrize("model", PIECES)
+@pytest.mark.parametrize("normalised", [False, True])
+def test_learning_in_pieces_tells_the_teacher_what_learning_at_once_does(model, normalised):
+    states = []
+    for pieces in (1, 20):
+        cells = TaskCells(NAMES, make_env().space.variants)
+        teacher = LearnabilityTeacher(cells, total_steps=500, seed=0, config=LearnabilityConfig())
+        callback = TeacherCallback(teacher, update_steps=10)
+        learner = learner_of(model=model, normalised=normalised, **PIECES[model])
+        for _ in range(pieces):  # of 5 decisions, less than half of an episode
+            learner.learn(200 // pieces, callback=callback, reset_num_timesteps=False)
+        states.append(teacher.state_dict())
+    assert states[0] == states[1]
+    assert states[0]["steps"] == 200
+    assert sum(map(len, states[0]["newest"])) >= 16  # of at most 12 decisions
+
+
+def test_what_is_left_at_the_end_of_learning_is_told():
+    teacher = Told([NEAR], CONFIG)
+    learn(TeacherCallback(teacher), model=SAC, steps=60, **PIECES[SAC])
+    assert [outcome.rewards.size for outcome in teacher.outcomes] == [60]
+
+
+class Broken(BaseCallback):
+    """Breaks learning off in the middle of a roll-out."""
+
+    def _on_step(self):
+        return self.num_timesteps != 26
+
+
+def test_a_rollout_that_is_broken_off_is_not_told_and_its_episodes_are_begun_again():
+    teacher = Told([NEAR], CONFIG)
+    callback = TeacherCallback(teacher)
+    learner = learner_of(**PIECES[PPO])
+    learner.learn(40, callback=[callback, Broken()])
+    assert sum(outcome.rewards.size for outcome in teacher.outcomes) == 20
+    learner.learn(10, callback=callback, reset_num_timesteps=False)
+    assert teacher.outcomes[-1].steps_before == 26
+    assert learner.rollout_buffer.episode_starts[0].tolist() == [1.0, 1.0]
+
+
+def test_learning_that_is_begun_again_begins_all_episodes():
+    teacher = Told([NEAR], CONFIG)
+    callback = TeacherCallback(teacher)
+    learner = learner_of(**PIECES[PPO])
+    for _ in range(2):
+        learner.learn(10, callback=callback)
+        assert teacher.outcomes[-1].steps_before == 0
 
 
 def test_saved_progress_is_gone_on_with(tmp_path):

@@ -26,6 +26,8 @@ class TeacherCallback(BaseCallback):
     Environments take them by ``set_task_distribution`` and say ``variant`` and ``is_success`` in
     their infos, as :class:`surmount.envs.TaskEnv` does. Training ends when the teacher is finished,
     at the latest after the steps given to ``learn``. Rewards are taken before ``VecNormalize``.
+    Several calls of ``learn`` with the same callback go on with each other's episodes, as far as
+    ``learn`` itself does (``reset_num_timesteps=False``).
 
     Parameters
     ----------
@@ -63,6 +65,7 @@ class TeacherCallback(BaseCallback):
         self.tests: list[LevelTest] = []
         self._regions = regions
         self._update_steps = update_steps
+        self._left_with: tuple[VecEnv, Any] | None = None
 
     def save(self, path: Path | str) -> None:
         """Write the teacher's progress as JSON, to keep beside the saved model."""
@@ -73,19 +76,11 @@ class TeacherCallback(BaseCallback):
         self.teacher.load_state_dict(read_record(Path(path)))
 
     def _on_training_start(self) -> None:
-        env = self.training_env
         self._require_a_beginning()
-        self._logged = self._regions or _regions_of(env)
-        parameters = len(self.teacher.distribution().parameters)
-        self._record = EpisodeRecorder(env.num_envs, parameters, steps=self.num_timesteps)
-        self._push()
-        # `learn` has begun episodes before it told anyone: begin them again, on tasks as pushed.
-        model = cast("Any", self.model)  # what `learn` itself sets
-        model._last_obs = env.reset()  # noqa: SLF001
-        model._last_episode_starts = np.ones(env.num_envs, dtype=np.bool_)  # noqa: SLF001
-        normaliser = self.model.get_vec_normalize_env()
-        if normaliser is not None:
-            model._last_original_obs = normaliser.get_original_obs()  # noqa: SLF001
+        if self._goes_on():
+            self._push()
+        else:
+            self._begin()
 
     def _on_step(self) -> bool:
         normaliser = self.model.get_vec_normalize_env()
@@ -100,12 +95,53 @@ class TeacherCallback(BaseCallback):
         return not self.teacher.finished
 
     def _on_rollout_end(self) -> None:
-        buffer = getattr(self.model, "rollout_buffer", None)
-        with_critic = isinstance(buffer, RolloutBuffer)
+        buffer = self._rollout_buffer()
         steps = self._record.recorded_steps
-        if steps == 0 or (not with_critic and steps < self._update_steps):
+        if steps == 0 or (buffer is None and steps < self._update_steps):
             return
-        outcome = self._record.collect(buffer.advantages if with_critic else None)
+        self._tell(None if buffer is None else buffer.advantages)
+
+    def _on_training_end(self) -> None:
+        left = self._record.recorded_steps > 0 and not self.teacher.finished
+        if left and self._rollout_buffer() is None:
+            self._tell(None)
+        # A roll-out that was broken off is told to nobody, and its episodes are begun again.
+        whole = self._record.recorded_steps == 0
+        self._left_with = (self.training_env, self._model._last_obs) if whole else None  # noqa: SLF001
+
+    @property
+    def _model(self) -> Any:
+        """The model, of which this sets and reads what `learn` itself does."""
+        return cast("Any", self.model)
+
+    def _goes_on(self) -> bool:
+        """Tell whether `learn` goes on with the episodes that it left last time."""
+        if self._left_with is None or self._record.steps != self.num_timesteps:
+            return False
+        env, observation = self._left_with
+        return env is self.training_env and observation is self._model._last_obs  # noqa: SLF001
+
+    def _begin(self) -> None:
+        """Begin all episodes: `learn` has begun them before it told anyone of tasks to push."""
+        env, model = self.training_env, self._model
+        self._logged = self._regions or _regions_of(env)
+        parameters = len(self.teacher.distribution().parameters)
+        self._record = EpisodeRecorder(env.num_envs, parameters, steps=self.num_timesteps)
+        self._push()
+        model._last_obs = env.reset()  # noqa: SLF001
+        model._last_episode_starts = np.ones(env.num_envs, dtype=np.bool_)  # noqa: SLF001
+        normaliser = self.model.get_vec_normalize_env()
+        if normaliser is not None:
+            model._last_original_obs = normaliser.get_original_obs()  # noqa: SLF001
+
+    def _rollout_buffer(self) -> RolloutBuffer | None:
+        """Return the roll-out of a learner with a critic that estimates advantages."""
+        buffer = getattr(self.model, "rollout_buffer", None)
+        return buffer if isinstance(buffer, RolloutBuffer) else None
+
+    def _tell(self, advantages: np.ndarray | None) -> None:
+        """Tell the teacher what was recorded, and environments and logs what it makes of it."""
+        outcome = self._record.collect(advantages)
         test = self.teacher.update_on_rollout(outcome)
         if test is not None:
             self.tests.append(test)
@@ -132,8 +168,7 @@ class TeacherCallback(BaseCallback):
                 remedy="Train without the callback, or give it another teacher, such as "
                 "`surmount.teachers.UniformTeacher`.",
             )
-        has_critic = isinstance(getattr(self.model, "rollout_buffer", None), RolloutBuffer)
-        if getattr(self.teacher, "needs_value_errors", False) and not has_critic:
+        if getattr(self.teacher, "needs_value_errors", False) and self._rollout_buffer() is None:
             raise ConfigError(
                 f"The teacher, {self.teacher.status().label}, needs a critic's value errors, and "
                 f"{type(self.model).__name__} estimates none.",
