@@ -87,3 +87,42 @@ def test_an_episode_without_a_task_is_refused():
     batched = BatchedTeacher(teacher(), 3, seed=0)
     with pytest.raises(InputError, match="given no task"):
         batched.step(np.zeros(3), [True, False, False], [False] * 3)
+
+
+def finished():
+    """Four environments, all of whose levels are over."""
+    batched = few()
+    batched.draw(np.arange(4))
+    while not batched.teacher.finished:
+        batched.step(np.ones(4), np.ones(4), np.ones(4))
+        batched.draw(np.arange(4))
+        batched.update()
+    return batched
+
+
+def few(num_envs=4):
+    """Levels of one roll-out of one step each."""
+    curriculum = toy_curriculum()
+    levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
+    short = AdvancementConfig(
+        iteration_steps=4, extension_steps=4, window_steps=4, max_extensions=0
+    )
+    return BatchedTeacher(LevelTeacher(levels, short), num_envs, seed=0)
+
+
+def test_after_the_last_level_it_goes_on_with_the_last():
+    first, second = finished(), few()
+    second.load_state_dict(json.loads(json.dumps(first.state_dict())))
+    last = toy_curriculum().level_distribution(toy_curriculum().n_levels - 1)
+    for batched in (first, second):
+        assert batched.distribution.to_record() == last.to_record()
+    np.testing.assert_array_equal(first.draw([0, 1]), second.draw([0, 1]))
+
+
+def test_progress_of_another_number_of_environments_is_refused_before_anything_changes():
+    batched = few()
+    batched.draw(np.arange(4))
+    before = batched.state_dict()
+    with pytest.raises(InputError, match="of 6 environments, not of 4"):
+        batched.load_state_dict(few(6).state_dict() | {"steps": 100})
+    assert batched.state_dict() == before

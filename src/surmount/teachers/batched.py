@@ -130,8 +130,7 @@ class BatchedTeacher:
             steps_before=self._steps - rewards.size,
         )
         test = self.teacher.update_on_rollout(outcome)
-        if not self.teacher.finished:
-            self._distribution = self.teacher.distribution()
+        self._distribution = self.teacher.distribution()
         self._forget()
         return test
 
@@ -147,15 +146,27 @@ class BatchedTeacher:
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from a saved state."""
+        """Go on from a saved state.
+
+        Raises
+        ------
+        InputError
+            If it is of another number of environments, or of another teacher.
+        """
+        saved, present = len(state["tasks"]), self._length.size
+        if saved != present:
+            raise InputError(
+                f"The saved progress is of {saved} environments, not of {present}.",
+                remedy="Resume with as many environments, or load the teacher's part of it alone: "
+                "`teacher.load_state_dict(state['teacher'])`.",
+            )
         self.teacher.load_state_dict(state["teacher"])
         self._rng.bit_generator.state = state["rng"]
         self._steps = int(state["steps"])
         self._tasks = np.array(state["tasks"], dtype=np.float64)
         self._reward = np.array(state["reward"], dtype=np.float64)
         self._length = np.array(state["length"], dtype=np.int64)
-        if not self.teacher.finished:
-            self._distribution = self.teacher.distribution()
+        self._distribution = self.teacher.distribution()
 
     def _forget(self) -> None:
         self._rewards: list[FloatArray] = []
