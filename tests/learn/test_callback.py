@@ -152,6 +152,27 @@ def test_the_level_in_force_is_logged_after_every_rollout():
     assert levels == [1, 2, 2, None]  # after the last level none is in force
 
 
+def test_steps_in_which_no_level_can_change_are_warned_of_once_over_pieces():
+    callback = TeacherCallback(LevelTeacher([NEAR, FAR], AdvancementConfig()))
+    learner = learner_of(**PIECES[PPO])
+    said = (
+        r"given 20 steps; level 1 is tested first after 500,000 and passes at the earliest after "
+        r"600,000: it will not change.*iteration_steps"
+    )
+    with pytest.warns(UserWarning, match=said):
+        learner.learn(20, callback=callback)
+    learner.learn(20, callback=callback, reset_num_timesteps=False)  # warnings are errors here
+    learner.learn(20, callback=callback)
+
+
+def test_steps_in_which_a_level_can_change_are_not_warned_of_and_those_to_its_test_are_logged():
+    longer = AdvancementConfig(iteration_steps=20, extension_steps=15, window_steps=5)
+    teacher = Told([NEAR, FAR], longer)
+    lines = learn(TeacherCallback(teacher), steps=31, **PIECES[PPO])  # four roll-outs of 10
+    told = [line["curriculum/steps_to_test"] for line in lines]
+    assert told == [10, 15, 5, teacher.status().steps_to_test]
+
+
 def test_a_teacher_without_levels_logs_none():
     lines = learn(TeacherCallback(UniformTeacher(NEAR, 128)), n_steps=64, batch_size=64)
     assert "curriculum/level" not in lines[0]

@@ -10,9 +10,10 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
-from surmount.core.errors import ConfigError, InputError
+from surmount.core.errors import InputError
 from surmount.core.printing import say
 from surmount.core.records import read_record, write_record
+from surmount.learn.beginning import require_beginning, warn_of_few_steps
 from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.episode_recorder import EpisodeRecorder
 from surmount.tasks.regions import Regions
@@ -24,10 +25,11 @@ class TeacherCallback(BaseCallback):
     """Pushes a teacher's distributions to the environments and tells it what came of them.
 
     Environments take them by ``set_task_distribution`` and say ``variant`` and ``is_success`` in
-    their infos, as :class:`surmount.envs.TaskEnv` does. Training ends when the teacher is finished,
+    their infos, as :class:`surmount.TaskEnv` does. Training ends when the teacher is finished,
     at the latest after the steps given to ``learn``. Rewards are taken before ``VecNormalize``.
     Several calls of ``learn`` with the same callback go on with each other's episodes, as far as
-    ``learn`` itself does (``reset_num_timesteps=False``).
+    ``learn`` itself does (``reset_num_timesteps=False``). Too few steps for any level to change
+    are warned of, once.
 
     Parameters
     ----------
@@ -35,7 +37,7 @@ class TeacherCallback(BaseCallback):
         The teacher.
     regions
         Parts of the space of tasks whose weight and success are logged, such as the groups of a
-        curriculum; by default the variants of :class:`surmount.envs.TaskEnv`, up to
+        curriculum; by default the variants of :class:`surmount.TaskEnv`, up to
         :data:`surmount.learn.curriculum_log.MOST_REGIONS` of them.
     update_steps
         Learning steps between two updates of the teacher with learners without roll-outs, such as
@@ -65,6 +67,7 @@ class TeacherCallback(BaseCallback):
         self.tests: list[LevelTest] = []
         self._regions = regions
         self._update_steps = update_steps
+        self._begun = False
         self._left_with: tuple[VecEnv, Any] | None = None
 
     def save(self, path: Path | str) -> None:
@@ -76,7 +79,12 @@ class TeacherCallback(BaseCallback):
         self.teacher.load_state_dict(read_record(Path(path)))
 
     def _on_training_start(self) -> None:
-        self._require_a_beginning()
+        require_beginning(
+            self.teacher,
+            self.training_env,
+            algorithm=type(self.model).__name__,
+            has_critic=self._rollout_buffer() is not None,
+        )
         if self._goes_on():
             self._push()
         else:
@@ -124,6 +132,7 @@ class TeacherCallback(BaseCallback):
     def _begin(self) -> None:
         """Begin all episodes: `learn` has begun them before it told anyone of tasks to push."""
         env, model = self.training_env, self._model
+        self._warn_of_few_steps()
         self._logged = self._regions or _regions_of(env)
         parameters = len(self.teacher.distribution().parameters)
         self._record = EpisodeRecorder(env.num_envs, parameters, steps=self.num_timesteps)
@@ -133,6 +142,15 @@ class TeacherCallback(BaseCallback):
         normaliser = self.model.get_vec_normalize_env()
         if normaliser is not None:
             model._last_original_obs = normaliser.get_original_obs()  # noqa: SLF001
+
+    def _warn_of_few_steps(self) -> None:
+        """Warn once: further calls of `learn` may bring the steps that are missing."""
+        if not self._begun:
+            buffer = self._rollout_buffer()
+            steps = self.locals["total_timesteps"] - self.num_timesteps
+            rollout_steps = 1 if buffer is None else buffer.buffer_size * buffer.n_envs
+            warn_of_few_steps(self.teacher.status(), steps, rollout_steps)
+        self._begun = True
 
     def _rollout_buffer(self) -> RolloutBuffer | None:
         """Return the roll-out of a learner with a critic that estimates advantages."""
@@ -153,34 +171,9 @@ class TeacherCallback(BaseCallback):
             outcome=outcome,
             test=test,
             regions=self._logged,
-            level=self.teacher.status().level,
+            status=self.teacher.status(),
         )
         self._push()
-
-    def _require_a_beginning(self) -> None:
-        if self.teacher.finished:
-            steps = self.teacher.status().steps
-            raise ConfigError(
-                f"The teacher is finished already, after {steps:,} steps."
-                if steps
-                else "There is nothing to learn: the teacher's curriculum has no levels, or its "
-                "steps are 0.",
-                remedy="Train without the callback, or give it another teacher, such as "
-                "`surmount.teachers.UniformTeacher`.",
-            )
-        if getattr(self.teacher, "needs_value_errors", False) and self._rollout_buffer() is None:
-            raise ConfigError(
-                f"The teacher, {self.teacher.status().label}, needs a critic's value errors, and "
-                f"{type(self.model).__name__} estimates none.",
-                remedy="Train by PPO, A2C or another algorithm with roll-outs, or choose another "
-                "teacher.",
-            )
-        if not self.training_env.has_attr("set_task_distribution"):
-            raise InputError(
-                "The environments take no task distribution.",
-                remedy="Wrap each in `surmount.envs.TaskEnv` before it goes into the vector "
-                "environment.",
-            )
 
     def _push(self) -> None:
         if not self.teacher.finished:
@@ -192,7 +185,7 @@ class TeacherCallback(BaseCallback):
             if key not in info:
                 raise InputError(
                     f"The infos of an ended episode hold no `{key}`.",
-                    remedy="Wrap each environment in `surmount.envs.TaskEnv`.",
+                    remedy="Wrap each environment in `surmount.TaskEnv`.",
                 )
         self._record.end(
             env,

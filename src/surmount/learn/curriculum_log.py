@@ -4,6 +4,7 @@
 key                                       value
 ========================================  ====================================================
 ``curriculum/level``                      level in force, from 1, of teachers that have levels
+``curriculum/steps_to_test``              learning steps until that level is tested
 ``curriculum/weight/<region>``            probability of the region in what is pushed
 ``curriculum/success/<region>``           success of the region's episodes in the roll-out
 ``curriculum/tested_level``               level just tested, from 1
@@ -29,7 +30,7 @@ from surmount.tasks.cells import cells
 from surmount.tasks.distribution import TaskDistribution
 from surmount.tasks.regions import Regions, success_by_region
 from surmount.tasks.space import TaskSpace
-from surmount.teachers.teacher import LevelTest, RolloutOutcome
+from surmount.teachers.teacher import LevelTest, RolloutOutcome, TeacherStatus
 
 MOST_REGIONS = 24
 """Variants beyond which each having a curve of its own would hide the others."""
@@ -44,7 +45,7 @@ def log_curriculum(
     outcome: RolloutOutcome,
     test: LevelTest | None,
     regions: Regions | None,
-    level: int | None,
+    status: TeacherStatus,
 ) -> None:
     """Record one roll-out.
 
@@ -60,8 +61,8 @@ def log_curriculum(
         The level test made on it, if one was due.
     regions
         Parts of the space of tasks to tell apart; without, weights and success are not recorded.
-    level
-        Level in force from now on, from 1; ``None`` where there is none.
+    status
+        Of the teacher, from now on.
     """
     if regions is not None:
         rates = success_by_region(regions, outcome.episodes.variant, outcome.episodes.success)
@@ -71,8 +72,10 @@ def log_curriculum(
         if distribution is not None:
             for name, share in zip(regions.names, regions.shares(distribution), strict=True):
                 logger.record(f"curriculum/weight/{name}", float(share))
-    if level is not None:
-        logger.record("curriculum/level", level)
+    if status.level is not None:
+        logger.record("curriculum/level", status.level)
+    if status.steps_to_test is not None:
+        logger.record("curriculum/steps_to_test", status.steps_to_test)
     if test is not None:
         logger.record("curriculum/tested_level", test.level + 1)
         measured = {

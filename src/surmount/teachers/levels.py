@@ -73,13 +73,17 @@ class LevelTeacher(BaseTeacher):
         label = f"level {self._level + 1} of {len(self._levels)}"
         if self._iteration:
             label += f", extension {self._iteration}"
-        to_come = (len(self._levels) - self._level - 1) * self._config.iteration_steps
+        config, further = self._config, len(self._levels) - self._level - 1
         left = max(0, self._iteration_length() - self._windows.steps)
+        first_test_extends = self._iteration == 0 and config.max_extensions > 0
+        to_pass = left + config.extension_steps if first_test_extends else left
         return TeacherStatus(
             label=label,
             steps=self._steps,
-            planned_steps=self._steps + left + to_come,
+            planned_steps=self._steps + left + further * config.iteration_steps,
             level=self._level + 1,
+            steps_to_test=left,
+            steps_to_next_level=to_pass if further else None,
         )
 
     def distribution(self) -> TaskDistribution:

@@ -148,12 +148,19 @@ class TeacherStatus:
         Learning steps done, and planned as far as known; extensions are added when decided.
     level
         Level in force, counted from 1; ``None`` where there is none.
+    steps_to_test
+        Learning steps until the level is tested; ``None`` where none will be.
+    steps_to_next_level
+        Learning steps until the next level can begin at the earliest; ``None`` where none follows,
+        or nobody can tell.
     """
 
     label: str
     steps: int
     planned_steps: int
     level: int | None = None
+    steps_to_test: int | None = None
+    steps_to_next_level: int | None = None
 
 
 class Teacher(Protocol):
