@@ -126,3 +126,41 @@ def test_progress_of_another_number_of_environments_is_refused_before_anything_c
     with pytest.raises(InputError, match="of 6 environments, not of 4"):
         batched.load_state_dict(few(6).state_dict() | {"steps": 100})
     assert batched.state_dict() == before
+
+
+NAN, NO = [np.nan] * 4, [False] * 4
+
+
+@pytest.mark.parametrize(
+    ("rewards", "dones", "success", "said"),
+    [
+        ([1.0], NO, NO, r"`rewards` has shape \(1,\), not \(4,\)"),
+        (1.0, NO, NO, r"`rewards` has shape \(\)"),
+        (np.ones((4, 1)), NO, NO, r"`rewards` has shape \(4, 1\)"),
+        (NAN, NO, NO, "`rewards` holds nan"),
+        ([0, 0, np.inf, 0], NO, NO, "`rewards` holds inf"),
+        (np.ones(4), NO[:3], NO, r"`dones` has shape \(3,\)"),
+        (np.ones(4), NAN, NO, "`dones` holds nan"),
+        (np.ones(4), np.ones(4), NO[:1], r"`success` has shape \(1,\)"),
+        (np.ones(4), np.ones(4), NAN, "`success` holds nan"),
+        (np.ones(4), np.ones(4), [0, 1, 0.5, 0], "`success` holds 0.5, which is neither 0 nor 1"),
+    ],
+)
+def test_a_step_that_does_not_tell_each_environment_is_refused_before_it_counts(
+    rewards, dones, success, said
+):
+    batched = few()
+    batched.draw(np.arange(4))
+    before = batched.state_dict()
+    with pytest.raises(InputError, match=said):
+        batched.step(rewards, dones, success)
+    assert batched.state_dict() == before
+    batched.update()
+    assert batched.teacher.status().steps == 0
+
+
+def test_success_is_read_only_where_an_episode_ended():
+    batched = few()
+    batched.draw(np.arange(4))
+    batched.step(np.ones(4), [1, 0, 0, 0], [True, np.nan, np.nan, np.nan])
+    assert batched.update() is not None
