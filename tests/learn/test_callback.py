@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 
+import gymnasium
 import numpy as np
 import pytest
-from own_point import PointEnv, make_env
+from own_point import PointEnv, make_env, make_point
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
@@ -171,6 +172,33 @@ def test_steps_in_which_a_level_can_change_are_not_warned_of_and_those_to_its_te
     lines = learn(TeacherCallback(teacher), steps=31, **PIECES[PPO])  # four roll-outs of 10
     told = [line["curriculum/steps_to_test"] for line in lines]
     assert told == [10, 15, 5, teacher.status().steps_to_test]
+
+
+class Diverging(gymnasium.Wrapper):
+    """Every episode's second reward is NaN."""
+
+    def reset(self, **options):
+        self.steps = 0
+        return self.env.reset(**options)
+
+    def step(self, action):
+        observation, reward, *rest = self.env.step(action)
+        self.steps += 1
+        return observation, (np.nan if self.steps == 2 else reward), *rest
+
+
+def test_episodes_that_diverge_are_warned_of_once_and_logged():
+    out_of_reach = TaskDistribution.uniform(NAMES, np.array([2.0, 2.0]), np.array([2.0, 2.0]))
+    envs = [lambda: make_point(Diverging(PointEnv())), make_env]
+    learner = PPO("MlpPolicy", DummyVecEnv(envs), seed=0, device="cpu", **PIECES[PPO])
+    lines = Lines()
+    learner.set_logger(Logger(None, [lines]))
+    with pytest.warns(UserWarning, match="2 of 2 episodes of a roll-out diverged") as caught:
+        learner.learn(60, callback=TeacherCallback(UniformTeacher(out_of_reach, 500)))
+    assert len(caught) == 1
+    shares = [line["curriculum/diverged"] for line in lines.lines]
+    # In five steps two or three episodes of two steps diverge; one of twelve ends at its limit.
+    assert shares == pytest.approx([1, 1, 2 / 3, 1, 2 / 3, 1])
 
 
 def test_a_teacher_without_levels_logs_none():

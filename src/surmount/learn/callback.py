@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any, cast
 
@@ -18,7 +19,7 @@ from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.episode_recorder import EpisodeRecorder
 from surmount.tasks.regions import Regions
 from surmount.tasks.space import TaskSpace
-from surmount.teachers.teacher import LevelTest, Teacher
+from surmount.teachers.teacher import Episodes, LevelTest, Teacher
 
 
 class TeacherCallback(BaseCallback):
@@ -28,8 +29,8 @@ class TeacherCallback(BaseCallback):
     their infos, as :class:`surmount.TaskEnv` does. Training ends when the teacher is finished,
     at the latest after the steps given to ``learn``. Rewards are taken before ``VecNormalize``.
     Several calls of ``learn`` with the same callback go on with each other's episodes, as far as
-    ``learn`` itself does (``reset_num_timesteps=False``). Too few steps for any level to change
-    are warned of, once.
+    ``learn`` itself does (``reset_num_timesteps=False``). Too few steps for any level to change,
+    and episodes that diverge, are warned of, once.
 
     Parameters
     ----------
@@ -68,6 +69,7 @@ class TeacherCallback(BaseCallback):
         self._regions = regions
         self._update_steps = update_steps
         self._begun = False
+        self._has_diverged = False
         self._left_with: tuple[VecEnv, Any] | None = None
 
     def save(self, path: Path | str) -> None:
@@ -152,6 +154,19 @@ class TeacherCallback(BaseCallback):
             warn_of_few_steps(self.teacher.status(), steps, rollout_steps)
         self._begun = True
 
+    def _warn_of_divergence(self, episodes: Episodes) -> None:
+        """Warn once; from then on the logger tells how many there are."""
+        diverged = int(episodes.diverged.sum())
+        if diverged and not self._has_diverged:
+            self._has_diverged = True
+            warnings.warn(
+                f"{diverged} of {episodes.diverged.size} episodes of a roll-out diverged: an "
+                "observation or a reward was not finite, and the episode ended there with a reward "
+                "of 0. `curriculum/diverged` logs the share. Try the environment with "
+                "`surmount check`.",
+                stacklevel=2,
+            )
+
     def _rollout_buffer(self) -> RolloutBuffer | None:
         """Return the roll-out of a learner with a critic that estimates advantages."""
         buffer = getattr(self.model, "rollout_buffer", None)
@@ -160,6 +175,7 @@ class TeacherCallback(BaseCallback):
     def _tell(self, advantages: np.ndarray | None) -> None:
         """Tell the teacher what was recorded, and environments and logs what it makes of it."""
         outcome = self._record.collect(advantages)
+        self._warn_of_divergence(outcome.episodes)
         test = self.teacher.update_on_rollout(outcome)
         if test is not None:
             self.tests.append(test)

@@ -7,6 +7,7 @@ key                                       value
 ``curriculum/steps_to_test``              learning steps until that level is tested
 ``curriculum/weight/<region>``            probability of the region in what is pushed
 ``curriculum/success/<region>``           success of the region's episodes in the roll-out
+``curriculum/diverged``                   share of the roll-out's episodes that diverged
 ``curriculum/tested_level``               level just tested, from 1
 ``curriculum/rF``, ``rL``                 r over the first and the last W steps (eq. 5): mean
                                           reward of episodes, or sum of step rewards
@@ -17,9 +18,9 @@ key                                       value
 ``curriculum/advanced``                   1 where the level was left, 0 where it was extended
 ========================================  ====================================================
 
-Level and weights are those of the roll-out to come, success is that of the roll-out just done; the
-keys from ``tested_level`` on are written where a level was tested, of them gains and ratio where
-they can be told.
+Level and weights are those of the roll-out to come, success and what diverged are those of the
+roll-out just done; the keys from ``tested_level`` on are written where a level was tested, of them
+gains and ratio where they can be told.
 """
 
 from __future__ import annotations
@@ -72,6 +73,8 @@ def log_curriculum(
         if distribution is not None:
             for name, share in zip(regions.names, regions.shares(distribution), strict=True):
                 logger.record(f"curriculum/weight/{name}", float(share))
+    if outcome.episodes.diverged.size:
+        logger.record("curriculum/diverged", float(outcome.episodes.diverged.mean()))
     if status.level is not None:
         logger.record("curriculum/level", status.level)
     if status.steps_to_test is not None:
