@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from toy_learner import toy_curriculum
 
-from surmount.core.errors import InputError
+from surmount.core.errors import ConfigError, InputError
 from surmount.tasks.regions import Regions
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.batched import BatchedTeacher
@@ -117,6 +117,13 @@ def test_after_the_last_level_it_goes_on_with_the_last():
     for batched in (first, second):
         assert batched.distribution.to_record() == last.to_record()
     np.testing.assert_array_equal(first.draw([0, 1]), second.draw([0, 1]))
+
+
+def test_a_teacher_with_nothing_to_teach_is_refused():
+    with pytest.raises(ConfigError, match="nothing to learn"):
+        BatchedTeacher(LevelTeacher([], ADVANCEMENT), 4, seed=0)
+    with pytest.raises(ConfigError, match="finished already, after 8 steps"):
+        BatchedTeacher(finished().teacher, 4, seed=0)
 
 
 def test_progress_of_another_number_of_environments_is_refused_before_anything_changes():

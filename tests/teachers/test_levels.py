@@ -360,6 +360,15 @@ def test_no_level_follows_the_last_and_without_extensions_the_first_test_ends_on
     assert teacher.status().steps_to_test is None
 
 
+@pytest.mark.parametrize("budget", [None, 10_000])
+@pytest.mark.parametrize("draw", ["distribution", "sample"])
+def test_a_curriculum_without_levels_has_no_tasks_and_says_so(budget, draw):
+    levels = LevelTeacher([], CONFIG)
+    teacher = levels if budget is None else BudgetedLevels(levels, budget)
+    with pytest.raises(ConfigError, match="has no levels: every group already succeeds"):
+        getattr(teacher, draw)()
+
+
 def test_a_curriculum_without_levels_is_finished_at_once():
     assert LevelTeacher([], CONFIG).finished
 

@@ -7,7 +7,7 @@ import warnings
 from stable_baselines3.common.vec_env import VecEnv
 
 from surmount.core.errors import ConfigError, InputError
-from surmount.teachers.teacher import Teacher, TeacherStatus
+from surmount.teachers.teacher import Teacher, TeacherStatus, require_unfinished
 
 
 def require_beginning(teacher: Teacher, env: VecEnv, *, algorithm: str, has_critic: bool) -> None:
@@ -31,16 +31,7 @@ def require_beginning(teacher: Teacher, env: VecEnv, *, algorithm: str, has_crit
     InputError
         If the environments take no distribution.
     """
-    if teacher.finished:
-        steps = teacher.status().steps
-        raise ConfigError(
-            f"The teacher is finished already, after {steps:,} steps."
-            if steps
-            else "There is nothing to learn: the teacher's curriculum has no levels, or its "
-            "steps are 0.",
-            remedy="Train without the callback, or give it another teacher, such as "
-            "`surmount.UniformTeacher`.",
-        )
+    require_unfinished(teacher)
     if getattr(teacher, "needs_value_errors", False) and not has_critic:
         raise ConfigError(
             f"The teacher, {teacher.status().label}, needs a critic's value errors, and "

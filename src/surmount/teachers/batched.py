@@ -15,7 +15,13 @@ import numpy.typing as npt
 from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.errors import InputError
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
+from surmount.teachers.teacher import (
+    Episodes,
+    LevelTest,
+    RolloutOutcome,
+    Teacher,
+    require_unfinished,
+)
 
 
 class BatchedTeacher:
@@ -32,9 +38,15 @@ class BatchedTeacher:
         Environments that learn at once.
     seed
         Of the tasks that are drawn.
+
+    Raises
+    ------
+    ConfigError
+        If the teacher is finished before training begins.
     """
 
     def __init__(self, teacher: Teacher, num_envs: int, *, seed: int) -> None:
+        require_unfinished(teacher)
         self.teacher = teacher
         self._distribution = teacher.distribution()
         self._rng = np.random.default_rng(seed)

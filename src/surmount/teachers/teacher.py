@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.errors import ConfigError
 from surmount.tasks.distribution import TaskDistribution
 
 Decision = Literal["advance", "extend", "advance at the limit"]
@@ -244,3 +245,22 @@ class Teacher(Protocol):
             If it was saved by another teacher, or under another curriculum or other tasks.
         """
         ...
+
+
+def require_unfinished(teacher: Teacher) -> None:
+    """Refuse a teacher under which there is nothing to train.
+
+    Raises
+    ------
+    ConfigError
+        If it is finished.
+    """
+    if teacher.finished:
+        steps = teacher.status().steps
+        raise ConfigError(
+            f"The teacher is finished already, after {steps:,} steps."
+            if steps
+            else "There is nothing to learn: the teacher's curriculum has no levels, or its "
+            "steps are 0.",
+            remedy="Train without it, or give another teacher, such as `surmount.UniformTeacher`.",
+        )
