@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -11,11 +12,11 @@ from own_point import PointEnv, make_env, make_point
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
-from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecNormalize
 
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
 from surmount.learn.callback import TeacherCallback
-from surmount.learn.curriculum_log import MOST_REGIONS, variant_regions
+from surmount.learn.curriculum_log import MOST_REGIONS, short_names, variant_regions
 from surmount.learn.loggers import WRITERS, training_logger
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
@@ -356,6 +357,37 @@ def test_environments_without_the_wrapper_are_refused_with_a_remedy():
     with pytest.raises(InputError, match="no task distribution") as caught:
         model.learn(64, callback=TeacherCallback(UniformTeacher(NEAR, 64)))
     assert "TaskEnv" in caught.value.remedy
+
+
+@pytest.mark.parametrize("vector", [DummyVecEnv, SubprocVecEnv])
+def test_a_teacher_over_other_parameters_is_refused_before_the_first_step(vector):
+    other = TaskDistribution.uniform(("height_mm",), np.array([1.0]), np.array([2.0]))
+    model = PPO("MlpPolicy", vector([make_env]), n_steps=64, device="cpu")
+    with pytest.raises(InputError, match="is over height_mm, the environment over distance_m, win"):
+        model.learn(64, callback=TeacherCallback(UniformTeacher(other, 64)))
+    assert model.num_timesteps == 0
+    model.get_env().close()
+
+
+def test_a_teacher_over_other_axes_is_refused_before_the_first_step():
+    space = TaskSpace.grid(distance_m=[0.5, 1.0], wind=[0.0, 1.0])
+    whole = space.declared({"wind": "integer"}).whole_range
+    with pytest.raises(InputError, match="axes that are continuous and integer"):
+        learn(TeacherCallback(UniformTeacher(whole, 64)), **PIECES[PPO])
+
+
+def test_long_names_of_groups_are_told_apart_in_the_table_of_stable_baselines():
+    names = [f"steps lower than half of the leg, {end}" for end in ("dry", "wet")]
+    names += [f"steps lower than {third} of the leg, dry" for third in ("a quarter", "a fifth")]
+    short = short_names(["near", *names])
+    assert short[:3] == ["near", "steps lower …the leg, dry", "steps lower …the leg, wet"]
+    assert short[3:] == ["steps lower…2…he leg, dry", "steps lower…3…he leg, dry"]
+    regions = replace(REGIONS, names=tuple(names[:2]))
+    table = io.StringIO()
+    learner = learner_of(**PIECES[PPO])
+    learner.set_logger(Logger(None, [HumanOutputFormat(table)]))
+    learner.learn(60, callback=TeacherCallback(UniformTeacher(NEAR, 500), regions=regions))
+    assert all(f"weight/{name} " in table.getvalue() for name in short[1:3])
 
 
 @pytest.mark.parametrize("name", ["wandb", "mlflow"])

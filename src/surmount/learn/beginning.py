@@ -7,6 +7,7 @@ import warnings
 from stable_baselines3.common.vec_env import VecEnv
 
 from surmount.core.errors import ConfigError, InputError
+from surmount.tasks.space import TaskSpace
 from surmount.teachers.teacher import Teacher, TeacherStatus, require_unfinished
 
 
@@ -29,7 +30,7 @@ def require_beginning(teacher: Teacher, env: VecEnv, *, algorithm: str, has_crit
     ConfigError
         If the teacher is finished, or needs a critic that the learner has not.
     InputError
-        If the environments take no distribution.
+        If the environments take no distribution, or have other task parameters than the teacher.
     """
     require_unfinished(teacher)
     if getattr(teacher, "needs_value_errors", False) and not has_critic:
@@ -44,6 +45,14 @@ def require_beginning(teacher: Teacher, env: VecEnv, *, algorithm: str, has_crit
             "The environments take no task distribution.",
             remedy="Wrap each in `surmount.TaskEnv` before it goes into the vector environment.",
         )
+    for space in task_spaces(env):
+        space.require_same(teacher.distribution())
+
+
+def task_spaces(env: VecEnv) -> list[TaskSpace]:
+    """Return the task spaces of environments, in this process; none where they do not tell."""
+    told = env.get_attr("space") if env.has_attr("space") else []
+    return [space for space in told if isinstance(space, TaskSpace)]
 
 
 def warn_of_few_steps(status: TeacherStatus, steps: int, rollout_steps: int) -> None:

@@ -14,11 +14,10 @@ from stable_baselines3.common.vec_env import VecEnv
 from surmount.core.errors import InputError
 from surmount.core.printing import say
 from surmount.core.records import read_record, write_record
-from surmount.learn.beginning import require_beginning, warn_of_few_steps
+from surmount.learn.beginning import require_beginning, task_spaces, warn_of_few_steps
 from surmount.learn.curriculum_log import log_curriculum, variant_regions
 from surmount.learn.episode_recorder import EpisodeRecorder
 from surmount.tasks.regions import Regions
-from surmount.tasks.space import TaskSpace
 from surmount.teachers.teacher import Episodes, LevelTest, Teacher
 
 
@@ -52,7 +51,8 @@ class TeacherCallback(BaseCallback):
         From ``learn``, if the teacher is finished before training begins, or needs a critic that
         the learner has not.
     InputError
-        From ``learn``, if the environments take no distribution or do not say what came of it.
+        From ``learn``, if the environments take no distribution, have other task parameters than
+        the teacher, or do not say what came of it.
     """
 
     def __init__(
@@ -135,7 +135,8 @@ class TeacherCallback(BaseCallback):
         """Begin all episodes: `learn` has begun them before it told anyone of tasks to push."""
         env, model = self.training_env, self._model
         self._warn_of_few_steps()
-        self._logged = self._regions or _regions_of(env)
+        spaces = task_spaces(env)
+        self._logged = self._regions or (variant_regions(spaces[0]) if spaces else None)
         parameters = len(self.teacher.distribution().parameters)
         self._record = EpisodeRecorder(env.num_envs, parameters, steps=self.num_timesteps)
         self._push()
@@ -209,8 +210,3 @@ class TeacherCallback(BaseCallback):
             success=bool(info["is_success"]),
             diverged=bool(info.get("diverged", False)),
         )
-
-
-def _regions_of(env: VecEnv) -> Regions | None:
-    space = env.get_attr("space", [0])[0] if env.has_attr("space") else None
-    return variant_regions(space) if isinstance(space, TaskSpace) else None

@@ -20,10 +20,13 @@ key                                       value
 
 Level and weights are those of the roll-out to come, success and what diverged are those of the
 roll-out just done; the keys from ``tested_level`` on are written where a level was tested, of them
-gains and ratio where they can be told.
+gains and ratio where they can be told. Long names of regions are shortened (:func:`short_names`).
 """
 
 from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
 
 from stable_baselines3.common.logger import Logger
 
@@ -66,12 +69,13 @@ def log_curriculum(
         Of the teacher, from now on.
     """
     if regions is not None:
+        names = short_names(regions.names)
         rates = success_by_region(regions, outcome.episodes.variant, outcome.episodes.success)
-        for name, rate in zip(regions.names, rates, strict=True):
+        for name, rate in zip(names, rates, strict=True):
             if rate is not None:
                 logger.record(f"curriculum/success/{name}", rate)
         if distribution is not None:
-            for name, share in zip(regions.names, regions.shares(distribution), strict=True):
+            for name, share in zip(names, regions.shares(distribution), strict=True):
                 logger.record(f"curriculum/weight/{name}", float(share))
     if outcome.episodes.diverged.size:
         logger.record("curriculum/diverged", float(outcome.episodes.diverged.mean()))
@@ -95,6 +99,26 @@ def log_curriculum(
                 logger.record(f"curriculum/{name}", value)
         logger.record("curriculum/threshold", test.threshold)
         logger.record("curriculum/advanced", int(test.decision != "extend"))
+
+
+def short_names(names: Sequence[str]) -> list[str]:
+    """Return names of at most :data:`LONGEST_NAME` characters, which stay as different as they are.
+
+    Stable-Baselines3's table refuses names that are alike as far as it shows them.
+    """
+    taken = {name: name for name in names if len(name) <= LONGEST_NAME}
+    for name in names:
+        if name not in taken:
+            taken[name] = next(short for short in _shortened(name) if short not in taken.values())
+    return [taken[name] for name in names]
+
+
+def _shortened(name: str) -> Iterator[str]:
+    """Yield shorter forms of a name: its beginning and its end, with a number from 2 on between."""
+    for number in itertools.count(1):
+        mark = "…" if number == 1 else f"…{number}…"
+        head, odd = divmod(LONGEST_NAME - len(mark), 2)
+        yield f"{name[: head + odd]}{mark}{name[-head:]}"
 
 
 def variant_regions(space: TaskSpace) -> Regions | None:
