@@ -13,16 +13,24 @@ import lunar_lander
 from surmount import AdvancementConfig, Curriculum, LevelTeacher, Regions, TeacherCallback
 
 
-def main(path, steps=500_000, num_envs=4, log="runs/sb3", **lengths):
+def lengths_within(steps, n_levels):
+    """Return lengths in which all levels have room; extensions a fifth of k, as in the paper."""
+    unit = steps // (30 * n_levels)  # a level lasts 30 at most: 10, and ten extensions of 2
+    return AdvancementConfig(
+        iteration_steps=10 * unit, extension_steps=2 * unit, window_steps=unit, max_extensions=10
+    )
+
+
+def main(path, steps=500_000, num_envs=4, log="runs/sb3", rollout=1024):
     curriculum = Curriculum.load(path)
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
     callback = TeacherCallback(
-        LevelTeacher(levels, AdvancementConfig(**lengths)),
+        LevelTeacher(levels, lengths_within(steps, len(levels))),
         regions=Regions.of(curriculum),
         verbose=1,
     )
     env = make_vec_env(lunar_lander.make_env, num_envs, seed=0)
-    model = PPO("MlpPolicy", env, n_steps=min(1024, steps), tensorboard_log=log, seed=0)
+    model = PPO("MlpPolicy", env, n_steps=rollout, tensorboard_log=log, seed=0)
     model.learn(steps, callback=callback)
     callback.save(f"{log}/teacher.json")
     env.close()

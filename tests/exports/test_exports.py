@@ -287,12 +287,7 @@ def test_the_table_holds_every_probability():
             assert share == pytest.approx(level.weights[index])
 
 
-def test_the_file_for_stable_baselines_trains_without_surmount(tmp_path):
-    text = export_curriculum(TWO, "sb3").files["curriculum_sb3.py"]
-    assert "import surmount" not in text
-    assert "from surmount" not in text
-    (tmp_path / "curriculum_sb3.py").write_text(text, encoding="utf-8")
-    program = """
+WITHOUT_SURMOUNT = """
 import sys
 class Absent:
     def find_spec(name, path, target=None):
@@ -303,6 +298,27 @@ import gymnasium, numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import DummyVecEnv
 import curriculum_sb3 as own
+"""
+
+
+def run_without_surmount(folder, curriculum, program):
+    """Run a program beside the file for Stable-Baselines3."""
+    text = export_curriculum(curriculum, "sb3").files["curriculum_sb3.py"]
+    assert "import surmount" not in text
+    assert "from surmount" not in text
+    (folder / "curriculum_sb3.py").write_text(text, encoding="utf-8")
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", WITHOUT_SURMOUNT + program],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_file_for_stable_baselines_trains_without_surmount(tmp_path):
+    program = """
 own.ITERATION_STEPS, own.EXTENSION_STEPS, own.WINDOW_STEPS, own.MAX_EXTENSIONS = 128, 128, 32, 0
 seen = []
 def make():
@@ -325,14 +341,60 @@ for _ in range(2000):
     env.reset(); many.append(env.unwrapped is not None and env.task["gravity"] >= 1.5)
 assert abs(np.mean(many) - 0.7) < 5 * np.sqrt(0.21 / 2000)
 """
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", program],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=tmp_path,
-    )
-    assert done.returncode == 0, done.stderr
+    run_without_surmount(tmp_path, TWO, program)
+
+
+def test_the_file_for_stable_baselines_learns_in_pieces_and_goes_on_from_saved_progress(tmp_path):
+    program = """
+import json, warnings
+from pathlib import Path
+def make():
+    env = gymnasium.make("Pendulum-v1", max_episode_steps=20)
+    return own.LevelWrapper(env, lambda inner, task: None)
+def learner(steps, pieces=1, callback=None):
+    callback = callback or own.LevelCallback(verbose=0)
+    env = DummyVecEnv([make, make])
+    env.seed(0)
+    model = PPO("MlpPolicy", env, n_steps=8, batch_size=16, n_epochs=1, device="cpu", seed=0)
+    for _ in range(pieces):
+        model.learn(steps // pieces, callback, reset_num_timesteps=False)
+    return env, callback
+# Pieces of 8 decisions, less than half an episode, do what learning at once does.
+own.ITERATION_STEPS, own.EXTENSION_STEPS, own.WINDOW_STEPS = 400, 100, 50
+for name, pieces in (("whole", 1), ("pieces", 30)):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        learner(480, pieces)[1].save(name)
+    (said,) = [str(one.message) for one in caught if "`learn`" in str(one.message)]
+    assert "level 1 is tested first after 400 and passes at the earliest after 500" in said
+whole, pieces = (json.loads(Path(name).read_text()) for name in ("whole", "pieces"))
+assert whole == pieces
+assert (whole["level"], whole["iteration"], whole["steps"]) == (0, 1, 480 - 400)
+assert [step for step, _ in whole["ended"]] == [40, 40, 80, 80]
+# Saved at the second level, and gone on with there.
+own.ITERATION_STEPS, own.MAX_EXTENSIONS = 160, 0
+warnings.simplefilter("error")
+env, callback = learner(192)
+assert (callback.level, callback.steps) == (1, 32)
+callback.save("levels.json")
+again = own.LevelCallback(verbose=0)
+again.load("levels.json")
+env, again = learner(64, callback=again)
+assert env.get_attr("level") == [own.LEVELS[1]] * 2
+assert (again.level, again.steps) == (1, 96)
+learner(64, callback=again)
+for begin, sentence in (
+    (lambda: learner(16, callback=again), "All levels are over"),
+    (lambda: own.LEVELS.pop() and again.load("levels.json"), "another curriculum"),
+):
+    try:
+        begin()
+    except ValueError as error:
+        assert sentence in str(error)
+    else:
+        raise AssertionError(sentence)
+"""
+    run_without_surmount(tmp_path, STEP, program)
 
 
 class Start(gymnasium.Env):

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
-from own_point import PointEnv, make_env
+from own_point import PointEnv, make_env, make_point
 from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import HumanOutputFormat, KVWriter, Logger
-from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecNormalize
 
 from surmount.core.errors import ConfigError, InputError, MissingExtraError
 from surmount.learn.callback import TeacherCallback
-from surmount.learn.curriculum_log import MOST_REGIONS, variant_regions
+from surmount.learn.curriculum_log import MOST_REGIONS, short_names, variant_regions
 from surmount.learn.loggers import WRITERS, training_logger
 from surmount.tasks.cells import TaskCells
 from surmount.tasks.distribution import TaskDistribution
@@ -21,6 +24,7 @@ from surmount.tasks.regions import Regions
 from surmount.tasks.space import TaskSpace
 from surmount.teachers.advancement import AdvancementConfig
 from surmount.teachers.alp_gmm import AlpGmmConfig, AlpGmmTeacher
+from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.replay import ReplayConfig, ReplayTeacher
 from surmount.teachers.uniform import UniformTeacher
@@ -150,6 +154,54 @@ def test_the_level_in_force_is_logged_after_every_rollout():
     assert levels == [1, 2, 2, None]  # after the last level none is in force
 
 
+def test_steps_in_which_no_level_can_change_are_warned_of_once_over_pieces():
+    callback = TeacherCallback(LevelTeacher([NEAR, FAR], AdvancementConfig()))
+    learner = learner_of(**PIECES[PPO])
+    said = (
+        r"given 20 steps; level 1 is tested first after 500,000 and passes at the earliest after "
+        r"600,000: it will not change.*iteration_steps"
+    )
+    with pytest.warns(UserWarning, match=said):
+        learner.learn(20, callback=callback)
+    learner.learn(20, callback=callback, reset_num_timesteps=False)  # warnings are errors here
+    learner.learn(20, callback=callback)
+
+
+def test_steps_in_which_a_level_can_change_are_not_warned_of_and_those_to_its_test_are_logged():
+    longer = AdvancementConfig(iteration_steps=20, extension_steps=15, window_steps=5)
+    teacher = Told([NEAR, FAR], longer)
+    lines = learn(TeacherCallback(teacher), steps=31, **PIECES[PPO])  # four roll-outs of 10
+    told = [line["curriculum/steps_to_test"] for line in lines]
+    assert told == [10, 15, 5, teacher.status().steps_to_test]
+
+
+class Diverging(gymnasium.Wrapper):
+    """Every episode's second reward is NaN."""
+
+    def reset(self, **options):
+        self.steps = 0
+        return self.env.reset(**options)
+
+    def step(self, action):
+        observation, reward, *rest = self.env.step(action)
+        self.steps += 1
+        return observation, (np.nan if self.steps == 2 else reward), *rest
+
+
+def test_episodes_that_diverge_are_warned_of_once_and_logged():
+    out_of_reach = TaskDistribution.uniform(NAMES, np.array([2.0, 2.0]), np.array([2.0, 2.0]))
+    envs = [lambda: make_point(Diverging(PointEnv())), make_env]
+    learner = PPO("MlpPolicy", DummyVecEnv(envs), seed=0, device="cpu", **PIECES[PPO])
+    lines = Lines()
+    learner.set_logger(Logger(None, [lines]))
+    with pytest.warns(UserWarning, match="2 of 2 episodes of a roll-out diverged") as caught:
+        learner.learn(60, callback=TeacherCallback(UniformTeacher(out_of_reach, 500)))
+    assert len(caught) == 1
+    shares = [line["curriculum/diverged"] for line in lines.lines]
+    # In five steps two or three episodes of two steps diverge; one of twelve ends at its limit.
+    assert shares == pytest.approx([1, 1, 2 / 3, 1, 2 / 3, 1])
+
+
 def test_a_teacher_without_levels_logs_none():
     lines = learn(TeacherCallback(UniformTeacher(NEAR, 128)), n_steps=64, batch_size=64)
     assert "curriculum/level" not in lines[0]
@@ -207,7 +259,7 @@ def test_the_names_of_variants_fit_the_table_of_stable_baselines():
 def test_a_teacher_with_nothing_to_teach_is_refused(teacher):
     with pytest.raises(ConfigError, match="nothing to learn") as caught:
         learn(TeacherCallback(teacher), n_steps=64, batch_size=64)
-    assert "without the callback" in caught.value.remedy
+    assert "surmount.UniformTeacher" in caught.value.remedy
 
 
 def test_a_teacher_that_has_finished_is_refused():
@@ -234,6 +286,62 @@ def test_episodes_that_are_begun_again_are_marked_as_begun():
     assert learner.rollout_buffer.episode_starts[0].tolist() == [1.0, 1.0]
 
 
+PIECES = {
+    PPO: {"n_steps": 5, "batch_size": 10, "n_epochs": 1},
+    SAC: {"learning_starts": 500, "buffer_size": 500},
+}
+
+
+@pytest.mark.parametrize("model", PIECES)
+@pytest.mark.parametrize("normalised", [False, True])
+def test_learning_in_pieces_tells_the_teacher_what_learning_at_once_does(model, normalised):
+    states = []
+    for pieces in (1, 20):
+        cells = TaskCells(NAMES, make_env().space.variants)
+        teacher = LearnabilityTeacher(cells, total_steps=500, seed=0, config=LearnabilityConfig())
+        callback = TeacherCallback(teacher, update_steps=10)
+        learner = learner_of(model=model, normalised=normalised, **PIECES[model])
+        for _ in range(pieces):  # of 5 decisions, less than half of an episode
+            learner.learn(200 // pieces, callback=callback, reset_num_timesteps=False)
+        states.append(teacher.state_dict())
+    assert states[0] == states[1]
+    assert states[0]["steps"] == 200
+    assert sum(map(len, states[0]["newest"])) >= 16  # of at most 12 decisions
+
+
+def test_what_is_left_at_the_end_of_learning_is_told():
+    teacher = Told([NEAR], CONFIG)
+    learn(TeacherCallback(teacher), model=SAC, steps=60, **PIECES[SAC])
+    assert [outcome.rewards.size for outcome in teacher.outcomes] == [60]
+
+
+class Broken(BaseCallback):
+    """Breaks learning off in the middle of a roll-out."""
+
+    def _on_step(self):
+        return self.num_timesteps != 26
+
+
+def test_a_rollout_that_is_broken_off_is_not_told_and_its_episodes_are_begun_again():
+    teacher = Told([NEAR], CONFIG)
+    callback = TeacherCallback(teacher)
+    learner = learner_of(**PIECES[PPO])
+    learner.learn(40, callback=[callback, Broken()])
+    assert sum(outcome.rewards.size for outcome in teacher.outcomes) == 20
+    learner.learn(10, callback=callback, reset_num_timesteps=False)
+    assert teacher.outcomes[-1].steps_before == 26
+    assert learner.rollout_buffer.episode_starts[0].tolist() == [1.0, 1.0]
+
+
+def test_learning_that_is_begun_again_begins_all_episodes():
+    teacher = Told([NEAR], CONFIG)
+    callback = TeacherCallback(teacher)
+    learner = learner_of(**PIECES[PPO])
+    for _ in range(2):
+        learner.learn(10, callback=callback)
+        assert teacher.outcomes[-1].steps_before == 0
+
+
 def test_saved_progress_is_gone_on_with(tmp_path):
     first = TeacherCallback(LevelTeacher([NEAR, FAR], CONFIG))
     learn(first, n_steps=64, batch_size=64, steps=128)
@@ -249,6 +357,37 @@ def test_environments_without_the_wrapper_are_refused_with_a_remedy():
     with pytest.raises(InputError, match="no task distribution") as caught:
         model.learn(64, callback=TeacherCallback(UniformTeacher(NEAR, 64)))
     assert "TaskEnv" in caught.value.remedy
+
+
+@pytest.mark.parametrize("vector", [DummyVecEnv, SubprocVecEnv])
+def test_a_teacher_over_other_parameters_is_refused_before_the_first_step(vector):
+    other = TaskDistribution.uniform(("height_mm",), np.array([1.0]), np.array([2.0]))
+    model = PPO("MlpPolicy", vector([make_env]), n_steps=64, device="cpu")
+    with pytest.raises(InputError, match="is over height_mm, the environment over distance_m, win"):
+        model.learn(64, callback=TeacherCallback(UniformTeacher(other, 64)))
+    assert model.num_timesteps == 0
+    model.get_env().close()
+
+
+def test_a_teacher_over_other_axes_is_refused_before_the_first_step():
+    space = TaskSpace.grid(distance_m=[0.5, 1.0], wind=[0.0, 1.0])
+    whole = space.declared({"wind": "integer"}).whole_range
+    with pytest.raises(InputError, match="axes that are continuous and integer"):
+        learn(TeacherCallback(UniformTeacher(whole, 64)), **PIECES[PPO])
+
+
+def test_long_names_of_groups_are_told_apart_in_the_table_of_stable_baselines():
+    names = [f"steps lower than half of the leg, {end}" for end in ("dry", "wet")]
+    names += [f"steps lower than {third} of the leg, dry" for third in ("a quarter", "a fifth")]
+    short = short_names(["near", *names])
+    assert short[:3] == ["near", "steps lower …the leg, dry", "steps lower …the leg, wet"]
+    assert short[3:] == ["steps lower…2…he leg, dry", "steps lower…3…he leg, dry"]
+    regions = replace(REGIONS, names=tuple(names[:2]))
+    table = io.StringIO()
+    learner = learner_of(**PIECES[PPO])
+    learner.set_logger(Logger(None, [HumanOutputFormat(table)]))
+    learner.learn(60, callback=TeacherCallback(UniformTeacher(NEAR, 500), regions=regions))
+    assert all(f"weight/{name} " in table.getvalue() for name in short[1:3])
 
 
 @pytest.mark.parametrize("name", ["wandb", "mlflow"])

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from surmount.core.errors import ConfigError, InputError
 from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.advancement import AdvancementConfig, gain_ratio, passes
+from surmount.teachers.budget import BudgetedLevels
 from surmount.teachers.levels import LevelTeacher
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 from surmount.teachers.uniform import UniformTeacher
@@ -333,6 +334,39 @@ def test_episodes_told_one_by_one_are_measured_like_those_of_a_roll_out():
 def test_progress_of_another_curriculum_is_refused():
     with pytest.raises(InputError, match="another curriculum"):
         LevelTeacher(LEVELS[:2], CONFIG).load_state_dict(LevelTeacher(LEVELS, CONFIG).state_dict())
+
+
+@pytest.mark.parametrize("budget", [None, 10_000])
+def test_it_says_when_a_level_is_tested_and_passes_at_the_earliest(budget):
+    levels = LevelTeacher(LEVELS, CONFIG)
+    teacher = levels if budget is None else BudgetedLevels(levels, budget)
+    said = []
+    for steps in (60, 40, 10, 30):
+        status = teacher.status()
+        said.append((status.level, status.steps_to_test, status.steps_to_next_level))
+        teacher.update_on_rollout(outcome(np.zeros(steps)))
+    # The first test, after 100, never passes; the one after an extension of 40 does.
+    assert said == [(1, 100, 140), (1, 40, 80), (1, 40, 40), (1, 30, 30)]
+    assert teacher.status().steps_to_test == 100
+    assert teacher.status().level == 2
+
+
+def test_no_level_follows_the_last_and_without_extensions_the_first_test_ends_one():
+    teacher = LevelTeacher(LEVELS[:2], replace(CONFIG, max_extensions=0))
+    assert teacher.status().steps_to_next_level == 100
+    teacher.update_on_rollout(outcome(np.zeros(100)))
+    assert (teacher.status().steps_to_test, teacher.status().steps_to_next_level) == (100, None)
+    teacher.update_on_rollout(outcome(np.zeros(100)))
+    assert teacher.status().steps_to_test is None
+
+
+@pytest.mark.parametrize("budget", [None, 10_000])
+@pytest.mark.parametrize("draw", ["distribution", "sample"])
+def test_a_curriculum_without_levels_has_no_tasks_and_says_so(budget, draw):
+    levels = LevelTeacher([], CONFIG)
+    teacher = levels if budget is None else BudgetedLevels(levels, budget)
+    with pytest.raises(ConfigError, match="has no levels: every group already succeeds"):
+        getattr(teacher, draw)()
 
 
 def test_a_curriculum_without_levels_is_finished_at_once():

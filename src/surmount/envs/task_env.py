@@ -11,7 +11,7 @@ import gymnasium
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.axis import Axes, AxisKind
+from surmount.core.axis import AxisKind
 from surmount.core.errors import InputError
 from surmount.envs.observations import (
     add_task,
@@ -163,19 +163,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         InputError
             If it is over other parameters, or other axes.
         """
-        if tuple(distribution.parameters) != self.space.parameters:
-            raise InputError(
-                f"The distribution is over {', '.join(distribution.parameters)}, the environment "
-                f"over {', '.join(self.space.parameters)}.",
-                remedy="Use a curriculum that was made for this environment.",
-            )
-        if distribution.axes != self.space.axes:
-            raise InputError(
-                f"The distribution is over axes that are {_kinds(distribution.axes)}, those of the "
-                f"environment are {_kinds(self.space.axes)}.",
-                remedy="Give the environment's: `curriculum.on(env.space.axes)`, or "
-                "TaskDistribution(…, axes=env.space.axes).",
-            )
+        self.space.require_same(distribution)
         self._distribution = distribution
 
     def reset(
@@ -342,12 +330,6 @@ def _listed(variant: Any) -> list[Any]:
     if isinstance(variant, list | tuple):
         return list(cast("list[Any]", variant))
     return np.asarray(variant).reshape(-1).tolist()
-
-
-def _kinds(axes: Axes) -> str:
-    return " and ".join(
-        f"{axis.kind} ({', '.join(axis.names)})" if axis.names else axis.kind for axis in axes
-    )
 
 
 def _step_s(env: gymnasium.Env[Any, Any]) -> float:

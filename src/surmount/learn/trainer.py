@@ -247,7 +247,7 @@ class Trainer:
             outcome=outcome,
             test=test,
             regions=self._regions,
-            level=status.level,
+            status=status,
         )
         if test is not None:
             self._tests.append(test)

@@ -150,6 +150,28 @@ class TaskSpace:
         """Uniform over the range, on the scale of each axis."""
         return TaskDistribution.uniform(self.parameters, self.lower, self.upper, self.axes)
 
+    def require_same(self, distribution: TaskDistribution) -> None:
+        """Refuse a distribution that no environment over this space can draw from.
+
+        Raises
+        ------
+        InputError
+            If it is over other parameters, or other axes.
+        """
+        if tuple(distribution.parameters) != self.parameters:
+            raise InputError(
+                f"The distribution is over {', '.join(distribution.parameters)}, the environment "
+                f"over {', '.join(self.parameters)}.",
+                remedy="Use a curriculum that was made for this environment.",
+            )
+        if distribution.axes != self.axes:
+            raise InputError(
+                f"The distribution is over axes that are {_kinds(distribution.axes)}, those of the "
+                f"environment are {_kinds(self.axes)}.",
+                remedy="Give the environment's: `curriculum.on(env.space.axes)`, or "
+                "TaskDistribution(…, axes=env.space.axes).",
+            )
+
     def named(self, task: FloatArray) -> dict[str, Value]:
         """Return a task by the names of its parameters, as environments get it.
 
@@ -258,3 +280,9 @@ def harder_by_success(
     places = positions(variants, full_axes(axes, variants[0]))
     slopes = (places - places.mean(axis=0)).T @ (success_rate - success_rate.mean())
     return tuple(-1 if math.copysign(1.0, slope) > 0 and slope != 0 else 1 for slope in slopes)
+
+
+def _kinds(axes: Axes) -> str:
+    return " and ".join(
+        f"{axis.kind} ({', '.join(axis.names)})" if axis.names else axis.kind for axis in axes
+    )

@@ -12,10 +12,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surmount.core.arrays import FloatArray
+from surmount.core.arrays import BoolArray, FloatArray
 from surmount.core.errors import InputError
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.teacher import Episodes, LevelTest, RolloutOutcome, Teacher
+from surmount.teachers.teacher import (
+    Episodes,
+    LevelTest,
+    RolloutOutcome,
+    Teacher,
+    require_unfinished,
+)
 
 
 class BatchedTeacher:
@@ -32,9 +38,15 @@ class BatchedTeacher:
         Environments that learn at once.
     seed
         Of the tasks that are drawn.
+
+    Raises
+    ------
+    ConfigError
+        If the teacher is finished before training begins.
     """
 
     def __init__(self, teacher: Teacher, num_envs: int, *, seed: int) -> None:
+        require_unfinished(teacher)
         self.teacher = teacher
         self._distribution = teacher.distribution()
         self._rng = np.random.default_rng(seed)
@@ -77,7 +89,7 @@ class BatchedTeacher:
         Parameters
         ----------
         rewards
-            Before any normalisation, ``(env,)``.
+            Before any normalisation, ``(env,)``; finite.
         dones
             Whether the episode ended with this step, for whatever reason, ``(env,)``.
         success
@@ -86,28 +98,35 @@ class BatchedTeacher:
         Raises
         ------
         InputError
-            If an environment was stepped that was never given a task.
+            If an argument has another shape or holds what it cannot, or an environment was stepped
+            that was never given a task.
         """
-        new = np.asarray(rewards, dtype=np.float64)
-        self._steps += new.size
-        self._rewards.append(new)
-        self._reward += new
-        self._length += 1
-        ended = np.flatnonzero(np.asarray(dones, dtype=np.bool_))
-        if not ended.size:
-            return
+        new = self._one_each("rewards", rewards)
+        ended = np.flatnonzero(_yes("dones", self._one_each("dones", dones)))
+        succeeded = _yes("success", self._one_each("success", success)[ended])
+        if not np.isfinite(new).all():
+            raise InputError(
+                f"`rewards` holds {new[~np.isfinite(new)][0]}.",
+                remedy="Give 0 where a simulation diverged, and end its episode.",
+            )
         if np.isnan(self._tasks[ended]).any():
             raise InputError(
                 "An episode ended in an environment that was given no task.",
                 remedy="Call `draw` for all environments before the first step.",
             )
+        self._steps += new.size
+        self._rewards.append(new)
+        self._reward += new
+        self._length += 1
+        if not ended.size:
+            return
         self._ended.append(
             Episodes(
                 step=np.full(ended.size, self._steps),
                 variant=self._tasks[ended],
                 reward=self._reward[ended],
                 length=self._length[ended],
-                success=np.asarray(success, dtype=np.bool_)[ended],
+                success=succeeded,
                 diverged=np.zeros(ended.size, dtype=np.bool_),
             )
         )
@@ -130,8 +149,7 @@ class BatchedTeacher:
             steps_before=self._steps - rewards.size,
         )
         test = self.teacher.update_on_rollout(outcome)
-        if not self.teacher.finished:
-            self._distribution = self.teacher.distribution()
+        self._distribution = self.teacher.distribution()
         self._forget()
         return test
 
@@ -147,19 +165,52 @@ class BatchedTeacher:
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from a saved state."""
+        """Go on from a saved state.
+
+        Raises
+        ------
+        InputError
+            If it is of another number of environments, or of another teacher.
+        """
+        saved, present = len(state["tasks"]), self._length.size
+        if saved != present:
+            raise InputError(
+                f"The saved progress is of {saved} environments, not of {present}.",
+                remedy="Resume with as many environments, or load the teacher's part of it alone: "
+                "`teacher.load_state_dict(state['teacher'])`.",
+            )
         self.teacher.load_state_dict(state["teacher"])
         self._rng.bit_generator.state = state["rng"]
         self._steps = int(state["steps"])
         self._tasks = np.array(state["tasks"], dtype=np.float64)
         self._reward = np.array(state["reward"], dtype=np.float64)
         self._length = np.array(state["length"], dtype=np.int64)
-        if not self.teacher.finished:
-            self._distribution = self.teacher.distribution()
+        self._distribution = self.teacher.distribution()
+
+    def _one_each(self, name: str, values: npt.ArrayLike) -> FloatArray:
+        """Return a copy of an argument as numbers, ``(env,)``, and refuse other shapes."""
+        numbers = np.array(values, dtype=np.float64)
+        if numbers.shape != self._length.shape:
+            raise InputError(
+                f"`{name}` has shape {numbers.shape}, not {self._length.shape}.",
+                remedy="Give one number for each environment; of a column, `column[:, 0]`.",
+            )
+        return numbers
 
     def _forget(self) -> None:
         self._rewards: list[FloatArray] = []
         self._ended: list[Episodes] = []
+
+
+def _yes(name: str, values: FloatArray) -> BoolArray:
+    """Return which of an argument's numbers say yes, and refuse those that are neither 0 nor 1."""
+    neither = (values != 0) & (values != 1)
+    if neither.any():
+        raise InputError(
+            f"`{name}` holds {values[neither][0]:g}, which is neither 0 nor 1.",
+            remedy="Give truth values, one for each environment.",
+        )
+    return values == 1
 
 
 def _joined(parts: list[Episodes], parameters: int) -> Episodes:

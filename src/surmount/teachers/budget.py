@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from surmount.core.arrays import FloatArray, IntArray
@@ -44,7 +45,8 @@ class BudgetedLevels(BaseTeacher):
     def status(self) -> TeacherStatus:
         """Say at which level the teacher stands."""
         status = self._levels.status()
-        return TeacherStatus(
+        return replace(
+            status,
             label="after the last level" if self._levels.finished else status.label,
             steps=self._steps,
             planned_steps=self._total_steps,

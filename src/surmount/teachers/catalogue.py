@@ -31,7 +31,7 @@ from surmount.teachers.given_groups import (
 )
 from surmount.teachers.learnability import LearnabilityConfig, LearnabilityTeacher
 from surmount.teachers.learning_progress import LearningProgressConfig, LearningProgressTeacher
-from surmount.teachers.levels import LevelTeacher
+from surmount.teachers.levels import LevelTeacher, require_levels
 from surmount.teachers.mastery import MasteryConfig, MasteryTeacher
 from surmount.teachers.promotion import PromotionTeacher
 from surmount.teachers.replay import ReplayConfig, ReplayTeacher
@@ -241,16 +241,8 @@ def find_teacher(name: str) -> Entry:
     return TEACHERS[name]
 
 
-def _require_levels(curriculum: Curriculum) -> None:
-    if not curriculum.levels:
-        raise ConfigError(
-            "The curriculum has no levels: every group already succeeds.",
-            remedy="Shorten the initiation, so that something is left to learn.",
-        )
-
-
 def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
-    _require_levels(curriculum)
+    require_levels(curriculum.levels)
     levels = [curriculum.level_distribution(level) for level in range(curriculum.n_levels)]
     inner = LevelTeacher(levels, context.advancement, seed=context.seed)
     return BudgetedLevels(inner, context.total_steps)
@@ -300,7 +292,7 @@ def _spdl(context: TeacherContext) -> Teacher:
 
 
 def _mastery(context: TeacherContext) -> Teacher:
-    _require_levels(context.curriculum)
+    require_levels(context.curriculum.levels)
     return MasteryTeacher(
         context.curriculum, context.advancement, config=context.teachers.mastery, **context.budget
     )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.arrays import FloatArray, IntArray
-from surmount.core.errors import InputError
+from surmount.core.errors import ConfigError, InputError
 from surmount.tasks.distribution import TaskDistribution
 from surmount.teachers.advancement import AdvancementConfig, deciding_rule, gain_ratio, passes
 from surmount.teachers.base import BaseTeacher, EndedEpisode
@@ -17,6 +17,21 @@ from surmount.teachers.draws import Draws
 from surmount.teachers.reward_windows import RewardWindows, make_windows
 from surmount.teachers.sentence import sentence_of
 from surmount.teachers.teacher import Decision, LevelTest, TeacherStatus
+
+
+def require_levels(levels: Sequence[object]) -> None:
+    """Refuse a curriculum without levels.
+
+    Raises
+    ------
+    ConfigError
+        If there are none.
+    """
+    if not levels:
+        raise ConfigError(
+            "The curriculum has no levels: every group already succeeds.",
+            remedy="Shorten the initiation, so that something is left to learn.",
+        )
 
 
 class LevelTeacher(BaseTeacher):
@@ -73,17 +88,28 @@ class LevelTeacher(BaseTeacher):
         label = f"level {self._level + 1} of {len(self._levels)}"
         if self._iteration:
             label += f", extension {self._iteration}"
-        to_come = (len(self._levels) - self._level - 1) * self._config.iteration_steps
+        config, further = self._config, len(self._levels) - self._level - 1
         left = max(0, self._iteration_length() - self._windows.steps)
+        first_test_extends = self._iteration == 0 and config.max_extensions > 0
+        to_pass = left + config.extension_steps if first_test_extends else left
         return TeacherStatus(
             label=label,
             steps=self._steps,
-            planned_steps=self._steps + left + to_come,
+            planned_steps=self._steps + left + further * config.iteration_steps,
             level=self._level + 1,
+            steps_to_test=left,
+            steps_to_next_level=to_pass if further else None,
         )
 
     def distribution(self) -> TaskDistribution:
-        """Return the level's mixture (eq. 4); after the last level, still the last."""
+        """Return the level's mixture (eq. 4); after the last level, still the last.
+
+        Raises
+        ------
+        ConfigError
+            If there are no levels.
+        """
+        require_levels(self._levels)
         return self._levels[min(self._level, len(self._levels) - 1)]
 
     def take_steps(

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from surmount.core.arrays import BoolArray, FloatArray, IntArray
+from surmount.core.errors import ConfigError
 from surmount.tasks.distribution import TaskDistribution
 
 Decision = Literal["advance", "extend", "advance at the limit"]
@@ -148,12 +149,19 @@ class TeacherStatus:
         Learning steps done, and planned as far as known; extensions are added when decided.
     level
         Level in force, counted from 1; ``None`` where there is none.
+    steps_to_test
+        Learning steps until the level is tested; ``None`` where none will be.
+    steps_to_next_level
+        Learning steps until the next level can begin at the earliest; ``None`` where none follows,
+        or nobody can tell.
     """
 
     label: str
     steps: int
     planned_steps: int
     level: int | None = None
+    steps_to_test: int | None = None
+    steps_to_next_level: int | None = None
 
 
 class Teacher(Protocol):
@@ -237,3 +245,22 @@ class Teacher(Protocol):
             If it was saved by another teacher, or under another curriculum or other tasks.
         """
         ...
+
+
+def require_unfinished(teacher: Teacher) -> None:
+    """Refuse a teacher under which there is nothing to train.
+
+    Raises
+    ------
+    ConfigError
+        If it is finished.
+    """
+    if teacher.finished:
+        steps = teacher.status().steps
+        raise ConfigError(
+            f"The teacher is finished already, after {steps:,} steps."
+            if steps
+            else "There is nothing to learn: the teacher's curriculum has no levels, or its "
+            "steps are 0.",
+            remedy="Train without it, or give another teacher, such as `surmount.UniformTeacher`.",
+        )
