@@ -101,6 +101,11 @@ def test_an_environment_that_keeps_the_contract_passes():
         (lambda: make_point(success="done_well"), ["success is told"], "no `done_well`"),
         (lambda: make_point(success="is_success"), ["success is told"], "no `is_success`"),
         (
+            lambda: make_point(success=lambda transition: transition.observation[0]),
+            ["success is told"],
+            "neither true nor false",
+        ),
+        (
             lambda: make_point(Noisy()),
             ["distance_m changes the task", "wind changes the task", "a seed repeats its episode"],
             "not shown: at 0.5 the same seed and actions do not give the same episode twice",

@@ -164,6 +164,35 @@ def test_success_can_end_an_episode():
     assert 0.5 < observation[0] < 0.75
 
 
+def told_success(told, *, by_key: bool) -> bool:
+    class Telling(PointEnv):
+        def step(self, action):
+            *moment, info = super().step(action)
+            return *moment, {**info, "reached": told}
+
+    env = make_point(Telling(), success="reached" if by_key else lambda t: t.info["reached"])
+    env.reset(seed=0)
+    return env.step(np.zeros(1))[-1]["is_success"]
+
+
+@pytest.mark.parametrize("by_key", [True, False])
+def test_success_is_true_or_false_or_a_number_that_is_1_or_0(by_key):
+    yes = [True, np.True_, 1, 1.0, np.float32(1), np.array([True]), np.array([[1.0]])]
+    no = [False, np.False_, 0, 0.0, np.float32(0), np.array([False]), np.array(0)]
+    assert [told_success(told, by_key=by_key) for told in yes] == [True] * 7
+    assert [told_success(told, by_key=by_key) for told in no] == [False] * 7
+
+
+@pytest.mark.parametrize("told", [np.nan, 0.1, 2, "no", None, np.array([True, False]), {}])
+def test_whatever_else_tells_success_is_refused_with_its_value(told):
+    with pytest.raises(InputError, match="neither true nor false") as caught:
+        told_success(told, by_key=True)
+    assert caught.value.message.startswith(f"`info['reached']` is {told!r}, ")
+    assert 'success=lambda t: t.info["reached"] >= 1' in caught.value.remedy
+    with pytest.raises(InputError, match=r"^What `success` returns is .* neither true nor false"):
+        told_success(told, by_key=False)
+
+
 def test_a_state_that_is_no_longer_finite_ends_the_episode_as_diverged():
     class Exploding(PointEnv):
         def step(self, action):

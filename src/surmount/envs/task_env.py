@@ -54,7 +54,7 @@ Feature = str | Callable[[Transition], float]
 
 
 class UntoldSuccessError(InputError):
-    """An episode ended, and ``info`` does not hold the key that tells success."""
+    """Nothing says whether the goal was reached: a key is missing, or neither true nor false."""
 
 
 class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
@@ -80,7 +80,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         key under which ``reset(options=…)`` takes the task by name.
     success
         Whether the goal is reached at a moment; or the key of ``info`` that says so, which must be
-        there when an episode ends.
+        there when an episode ends. True or false, or a number that is 1 or 0.
     features
         What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
     step_s
@@ -200,7 +200,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         Raises
         ------
         UntoldSuccessError
-            If the episode ends and ``info`` does not hold the key that tells success.
+            If the episode ends and ``info`` does not hold the key that tells success, or what
+            tells it is neither true nor false.
         """
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
@@ -312,14 +313,15 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     def _reached(self, transition: Transition) -> bool:
         success = self._success
         if not isinstance(success, str):
-            return bool(success(transition))
+            return _true_or_false(success(transition), "What `success` returns", "share")
         if success not in transition.info and (transition.terminated or transition.truncated):
             raise UntoldSuccessError(
                 f"`info` holds no `{success}` when an episode ends.",
                 remedy=f"Let the environment put `{success}` into `info`, or give a function as "
                 "`success`.",
             )
-        return bool(transition.info.get(success, False))
+        told = transition.info.get(success, False)
+        return _true_or_false(told, f"`info[{success!r}]`", f't.info["{success}"]')
 
     def _seen(self, observation: Any) -> Any:
         if self._text:
@@ -335,6 +337,25 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         space = self.space
         ends = zip(space.axes, self._task, space.lower, space.upper, strict=True)
         return np.array([number for axis, *place in ends for number in axis.observed(*place)])
+
+
+def _true_or_false(told: Any, called: str, share: str) -> bool:
+    """Return whether success was told; ``called`` and ``share`` are words for the error.
+
+    Raises
+    ------
+    UntoldSuccessError
+        If it is neither true nor false, nor one number that is 1 or 0.
+    """
+    if isinstance(told, bool | np.bool_):  # nearly always, and at every step
+        return bool(told)
+    number = np.asarray(told)
+    if number.dtype.kind in "biuf" and number.size == 1 and number.item() in (0, 1):
+        return bool(number.item())
+    raise UntoldSuccessError(
+        f"{called} is {told!r}, which is neither true nor false.",
+        remedy=f"Say from where on a share is success, as in `success=lambda t: {share} >= 1`.",
+    )
 
 
 def _listed(variant: Any) -> list[Any]:
