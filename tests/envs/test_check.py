@@ -324,7 +324,10 @@ class Lidar(PointEnv):
 
 def test_a_sensor_that_returns_infinity_is_to_be_clipped():
     found = broken(lambda: make_point(Lidar()))
-    assert "clip them to the sensor's range" in found["observations and rewards are finite"]
+    assert (
+        "clip what may be infinite, as a range sensor"
+        in found["observations and rewards are finite"]
+    )
 
 
 class Alike(PointEnv):

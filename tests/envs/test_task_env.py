@@ -206,6 +206,18 @@ def test_a_state_that_is_no_longer_finite_ends_the_episode_as_diverged():
     np.testing.assert_array_equal(observation, first)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_an_observation_of_reset_that_is_not_finite_is_refused_with_its_task(value):
+    class Unplaced(PointEnv):
+        def reset(self, **options):
+            _, info = super().reset(**options)
+            return np.array([0.0, value], np.float32), info
+
+    sentence = f"After `reset`, observation 1 is {value} on task distance_m=1.5, wind=2."
+    with pytest.raises(InputError, match=sentence):
+        make_point(Unplaced()).reset(options={"variant": [1.5, 2.0]})
+
+
 @pytest.mark.parametrize(
     ("action", "sentence"),
     [

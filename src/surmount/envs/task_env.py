@@ -57,6 +57,10 @@ class UntoldSuccessError(InputError):
     """Nothing says whether the goal was reached: a key is missing, or neither true nor false."""
 
 
+class UnusableStartError(InputError):
+    """An episode began with an observation that is not finite."""
+
+
 class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     """An environment that draws its task inside ``reset``, and says what became of it.
 
@@ -184,6 +188,11 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         """Begin an episode; ``options={"variant": …}`` sets its task instead of drawing it.
 
         A category is given by its name, or by its place among the names.
+
+        Raises
+        ------
+        UnusableStartError
+            If an observation is not finite: no network can act on it.
         """
         if seed is not None:
             self._rng = np.random.default_rng(seed)
@@ -262,6 +271,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         observation, info = self.env.reset(seed=episode_seed, options=options or None)
         self._inner = self.env.unwrapped  # a wrapper may have chosen another one for the task
         self._observation = observation
+        if not is_finite(observation):
+            raise self._unusable_start(numbers(observation))
         transition = Transition(
             env=self._inner,
             observation=observation,
@@ -271,6 +282,17 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             info=info,
         )
         return self._seen(observation), {**info, **self._judged(transition, diverged=False)}
+
+    def _unusable_start(self, observed: FloatArray) -> UnusableStartError:
+        places = np.flatnonzero(~np.isfinite(observed))
+        return UnusableStartError(
+            f"After `reset`, observation {places[0]} is {observed[places[0]]} on task "
+            f"{self.space.described(self._task)}"
+            + (f", and {places.size - 1} more are not finite." if places.size > 1 else "."),
+            remedy="Let every observation be finite: clip what may be infinite, as a range "
+            "sensor without an echo is, to its range in an ObservationWrapper, as in "
+            "np.clip(observation, low, high).",
+        )
 
     def _take_space(self, space: TaskSpace) -> None:
         self.space = space
