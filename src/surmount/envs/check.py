@@ -11,8 +11,8 @@ import gymnasium
 import numpy as np
 
 from surmount.core.arrays import FloatArray
-from surmount.core.errors import SurmountError
-from surmount.envs.making import cause, make_task_env, time_limit
+from surmount.core.errors import SurmountError, cause
+from surmount.envs.making import make_task_env, time_limit
 from surmount.envs.observations import is_image, require_usual, text_entries
 from surmount.envs.probing import LONGEST_EPISODE, Episode, episode_of, interleaved, same
 from surmount.envs.task_env import TaskEnv, UntoldSuccessError, UnusableStartError

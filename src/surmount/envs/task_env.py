@@ -12,7 +12,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.axis import Axes, AxisKind
-from surmount.core.errors import InputError
+from surmount.core.errors import InputError, SurmountError, cause
 from surmount.envs.observations import (
     add_task,
     is_finite,
@@ -51,6 +51,10 @@ class Transition:
 SetTask = Callable[[gymnasium.Env[Any, Any], dict[str, Any]], None]
 """Gets a ``float``, on an axis of whole numbers an ``int``, of a category the name."""
 Feature = str | Callable[[Transition], float]
+
+
+_PASSED_ON = (SurmountError, TimeoutError)
+"""What is said already; an alarm that rings while an environment works is no fault of it."""
 
 
 class UntoldSuccessError(InputError):
@@ -193,6 +197,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         ------
         UnusableStartError
             If an observation is not finite: no network can act on it.
+        InputError
+            If the environment fails, with the task and the seed.
         """
         if seed is not None:
             self._rng = np.random.default_rng(seed)
@@ -211,10 +217,21 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         UntoldSuccessError
             If the episode ends and ``info`` does not hold the key that tells success, or what
             tells it is neither true nor false.
+        InputError
+            If the environment fails, with the step, the task and the seed.
         """
+        number = len(self._actions) + 1
+        try:
+            return self._step(action)
+        except _PASSED_ON:
+            raise
+        except Exception as error:
+            raise self._failure(f"`step` {number}", error) from error
+
+    def _step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
-        reward = float(reward)  # type: ignore[arg-type]
+        reward = _one_number(reward, "The reward")
         diverged = not (math.isfinite(reward) and is_finite(observation))
         if diverged:
             self.unusable = observation
@@ -263,6 +280,16 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self, task: FloatArray, episode_seed: int, options: dict[str, Any]
     ) -> tuple[Any, dict[str, Any]]:
         self._begin_record(task, episode_seed)
+        try:
+            return self._reset(task, episode_seed, options)
+        except _PASSED_ON:
+            raise
+        except Exception as error:
+            raise self._failure("`reset`", error) from error
+
+    def _reset(
+        self, task: FloatArray, episode_seed: int, options: dict[str, Any]
+    ) -> tuple[Any, dict[str, Any]]:
         named = self.space.named(task)
         if callable(self._set_task):
             self._set_task(self.env.unwrapped, named)
@@ -282,6 +309,13 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             info=info,
         )
         return self._seen(observation), {**info, **self._judged(transition, diverged=False)}
+
+    def _failure(self, where: str, error: Exception) -> InputError:
+        return InputError(
+            f"The environment fails in {where} on task {self.space.described(self._task)}, seed "
+            f"{self._episode_seed} ({cause(error)}).",
+            remedy="Correct what it says; reset and step must not fail on any task.",
+        )
 
     def _unusable_start(self, observed: FloatArray) -> UnusableStartError:
         places = np.flatnonzero(~np.isfinite(observed))
@@ -317,9 +351,9 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         values = [len(self._actions) * self.step_s]
         for name, feature in self._features.items():
             if callable(feature):
-                values.append(float(feature(transition)))
+                values.append(_one_number(feature(transition), f"The feature `{name}`"))
             elif feature in transition.info:
-                values.append(float(transition.info[feature]))
+                values.append(_one_number(transition.info[feature], f"The feature `{name}`"))
             else:
                 raise InputError(
                     f"The feature `{name}` is `info[{feature!r}]`, which is not there.",
@@ -359,6 +393,27 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         space = self.space
         ends = zip(space.axes, self._task, space.lower, space.upper, strict=True)
         return np.array([number for axis, *place in ends for number in axis.observed(*place)])
+
+
+def _one_number(value: Any, called: str) -> float:
+    """Return a number, or the one number of an array.
+
+    Raises
+    ------
+    InputError
+        If it is none, or several.
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        if isinstance(value, np.ndarray | list | tuple):
+            numbers_in = np.asarray(value, dtype=object).reshape(-1)
+            if numbers_in.size == 1:
+                return _one_number(numbers_in[0], called)
+        raise InputError(
+            f"{called} is {value!r}, not one number.",
+            remedy="Let it be a number at every moment; of an array say which entry.",
+        ) from None
 
 
 def _true_or_false(told: Any, called: str, share: str) -> bool:

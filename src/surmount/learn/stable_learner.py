@@ -22,8 +22,7 @@ from stable_baselines3.common.vec_env import (
     VecTransposeImage,
 )
 
-from surmount.core.errors import ConfigError, LearningError
-from surmount.envs.making import cause
+from surmount.core.errors import ConfigError, LearningError, cause
 from surmount.learn.algorithms import build_model, is_function
 from surmount.learn.experience import keeps_infos, put_experience, take_experience
 from surmount.learn.faults import is_sound_policy
