@@ -60,7 +60,7 @@ class Exploding(PointEnv):
     """All numbers overflow at once, some way from the start."""
 
     def _observe(self):
-        return super()._observe() * np.float32(1.0 if abs(self.position) < 0.15 else np.inf)
+        return super()._observe() * np.float32(1.0 if abs(self.position) < 0.6 else np.inf)
 
 
 def test_a_whole_number_arrives_as_an_int_and_a_category_as_its_name():
@@ -123,23 +123,37 @@ def test_values_that_are_even_in_their_logarithm_are_noted_where_draws_are_not()
 
 
 def test_an_infinite_sensor_is_to_be_clipped_and_a_simulation_that_explodes_to_be_ended():
-    def remedy(env):
-        (found,) = (
-            f
-            for f in check_contract(lambda: make_point(env))
-            if "finite" in f.clause and not f.holds
-        )
-        return f"{found.sentence} {found.remedy}"
-
-    assert "not finite: observation 2 These are infinite while the others are finite" in remedy(
-        Lidar()
-    )
-    assert "clip them to the sensor's range" in remedy(Lidar())
-    assert "not finite: observation 2" in remedy(Fading())
-    findings = check_contract(lambda: make_point(Exploding()))
-    (found,) = (f for f in findings if "rewards are finite" in f.clause)
+    lidar, fading = finite(Lidar()), finite(Fading())
+    assert not lidar.holds
+    assert not fading.holds
+    assert "After `reset`, observation 2 is inf on task distance_m=1, wind=0." in lidar.sentence
+    assert "to its range" in lidar.remedy
+    assert fading.sentence == "not finite: observation 2"
+    assert "These are infinite while the others are finite" in fading.remedy
+    found = finite(Exploding())
     assert found.holds
-    assert "episodes ended because the simulation diverged" in found.note
+    assert found.note.startswith(
+        "6 of 15 episodes ended because the simulation diverged (not finite: observation 0, 1)"
+    )
+
+
+def finite(env):
+    findings = check_contract(lambda: make_point(env))
+    (found,) = (f for f in findings if f.clause == "observations and rewards are finite")
+    return found
+
+
+def test_an_environment_most_of_whose_episodes_diverge_breaks_the_contract():
+    class Unrewarded(PointEnv):
+        def step(self, action):
+            observation, _, *rest = super().step(action)
+            return observation, np.nan, *rest
+
+    found = finite(Unrewarded())
+    assert not found.holds
+    assert found.sentence == (
+        "not finite: rewards; 15 of 15 episodes ended because the simulation diverged"
+    )
 
 
 def test_a_distribution_over_other_axes_is_refused():

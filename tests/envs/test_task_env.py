@@ -164,6 +164,35 @@ def test_success_can_end_an_episode():
     assert 0.5 < observation[0] < 0.75
 
 
+def told_success(told, *, by_key: bool) -> bool:
+    class Telling(PointEnv):
+        def step(self, action):
+            *moment, info = super().step(action)
+            return *moment, {**info, "reached": told}
+
+    env = make_point(Telling(), success="reached" if by_key else lambda t: t.info["reached"])
+    env.reset(seed=0)
+    return env.step(np.zeros(1))[-1]["is_success"]
+
+
+@pytest.mark.parametrize("by_key", [True, False])
+def test_success_is_true_or_false_or_a_number_that_is_1_or_0(by_key):
+    yes = [True, np.True_, 1, 1.0, np.float32(1), np.array([True]), np.array([[1.0]])]
+    no = [False, np.False_, 0, 0.0, np.float32(0), np.array([False]), np.array(0)]
+    assert [told_success(told, by_key=by_key) for told in yes] == [True] * 7
+    assert [told_success(told, by_key=by_key) for told in no] == [False] * 7
+
+
+@pytest.mark.parametrize("told", [np.nan, 0.1, 2, "no", None, np.array([True, False]), {}])
+def test_whatever_else_tells_success_is_refused_with_its_value(told):
+    with pytest.raises(InputError, match="neither true nor false") as caught:
+        told_success(told, by_key=True)
+    assert caught.value.message.startswith(f"`info['reached']` is {told!r}, ")
+    assert 'success=lambda t: t.info["reached"] >= 1' in caught.value.remedy
+    with pytest.raises(InputError, match=r"^What `success` returns is .* neither true nor false"):
+        told_success(told, by_key=False)
+
+
 def test_a_state_that_is_no_longer_finite_ends_the_episode_as_diverged():
     class Exploding(PointEnv):
         def step(self, action):
@@ -175,6 +204,84 @@ def test_a_state_that_is_no_longer_finite_ends_the_episode_as_diverged():
     observation, reward, terminated, _, info = env.step(np.zeros(1))
     assert (terminated, reward, info["diverged"], info["is_success"]) == (True, 0.0, True, False)
     np.testing.assert_array_equal(observation, first)
+
+
+def failing(*, step=None, reset=None):
+    """The point, which fails at a step or in its reset."""
+
+    class Failing(PointEnv):
+        def reset(self, **options):
+            self.steps = 0
+            if reset:
+                raise reset
+            return super().reset(**options)
+
+        def step(self, action):
+            self.steps += 1
+            if self.steps == 3 and step:
+                raise step
+            return super().step(action)
+
+    return make_point(Failing())
+
+
+def test_an_environment_that_fails_is_said_with_its_step_task_and_seed():
+    lost = ValueError("sensor lost")
+    env = failing(step=lost)
+    env.reset(seed=0, options={"variant": [1.5, 2.0]})
+    seed = env.state_dict()["seed"]
+    for _ in range(2):
+        env.step(np.zeros(1))
+    where = f"on task distance_m=1.5, wind=2, seed {seed} (ValueError: sensor lost)."
+    with pytest.raises(InputError) as caught:
+        env.step(np.zeros(1))
+    assert caught.value.message == f"The environment fails in `step` 3 {where}"
+    assert caught.value.__cause__ is lost
+    with pytest.raises(InputError) as caught:
+        failing(reset=lost).reset(seed=0, options={"variant": [1.5, 2.0]})
+    assert caught.value.message == f"The environment fails in `reset` {where}"
+
+
+@pytest.mark.parametrize("error", [TimeoutError("alarm"), InputError("Said.", remedy="Done.")])
+def test_an_alarm_and_what_is_said_already_are_passed_on(error):
+    with pytest.raises(type(error)) as caught:
+        failing(reset=error).reset()
+    assert caught.value is error
+
+
+def rewarded(value) -> float:
+    class Paying(PointEnv):
+        def step(self, action):
+            observation, _, *rest = super().step(action)
+            return observation, value, *rest
+
+    env = make_point(Paying())
+    env.reset(seed=0)
+    return env.step(np.zeros(1))[1]
+
+
+def test_a_reward_of_one_element_is_a_number_and_any_other_is_said_with_its_value():
+    values = [np.float32(0.5), np.array(0.5), np.array([0.5]), np.array([[0.5]]), [0.5]]
+    assert [rewarded(value) for value in values] == [0.5] * 5
+    for value in (np.array([0.5, 1.0]), None, "much", []):
+        with pytest.raises(InputError, match="not one number") as caught:
+            rewarded(value)
+        assert caught.value.message == f"The reward is {value!r}, not one number."
+    env = make_point(features={"both": lambda transition: transition.observation})
+    with pytest.raises(InputError, match=r"The feature `both` is array\(.*not one number"):
+        env.reset(seed=0)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_an_observation_of_reset_that_is_not_finite_is_refused_with_its_task(value):
+    class Unplaced(PointEnv):
+        def reset(self, **options):
+            _, info = super().reset(**options)
+            return np.array([0.0, value], np.float32), info
+
+    sentence = f"After `reset`, observation 1 is {value} on task distance_m=1.5, wind=2."
+    with pytest.raises(InputError, match=sentence):
+        make_point(Unplaced()).reset(options={"variant": [1.5, 2.0]})
 
 
 @pytest.mark.parametrize(

@@ -129,7 +129,7 @@ def test_a_narrow_group_beside_a_wide_one_is_told_and_fills_no_file():
     uneven = Curriculum(
         parameters=("height_mm",),
         groups=(
-            group("easy", [[0.0], [1000.0]], 0.96, ([0.0], [1000.0], 2)),
+            group("easy", [[0.0], [999.0]], 0.96, ([0.0], [1000.0], 2)),
             group("difficult", [[1000.0], [1000.001]], 0.1, ([1000.0], [1000.001], 2)),
         ),
         levels=(Level(dominant="difficult", weights=(0.3, 0.7)),),

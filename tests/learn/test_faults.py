@@ -9,6 +9,7 @@ from point_env import PointEnv
 from small_trainings import CONFIG, NEAR, StopAfter, assert_same_training, uniform_trainer
 
 from surmount.core.errors import InputError, IntegrityError, LearningError
+from surmount.envs.registry import find_family
 from surmount.learn import ppo as ppo_module
 from surmount.learn.faults import LARGEST_LOSS, MOST_IN_A_ROW, is_sound_update
 from surmount.learn.snapshot import Snapshot
@@ -137,8 +138,13 @@ def test_physics_that_always_diverges_ends_learning():
             return observations, rewards, terminated, truncated, infos
 
     trainer = Trainer(Diverging(4), UniformTeacher(NEAR, 10**5), CONFIG, seed=0)
-    with pytest.raises(LearningError, match="the physics diverged"):
+    with pytest.raises(LearningError, match=r"the physics diverged.*`surmount check`"):
         trainer.run(SilentMonitor())
+
+
+def test_the_family_of_tasks_says_what_to_do_about_its_physics():
+    for name in ("step", "all"):
+        assert "env.robot.physics_step_s" in find_family(f"rstar/{name}").diverged_remedy
 
 
 def test_a_network_that_is_not_finite_is_no_start():

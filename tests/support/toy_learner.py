@@ -10,7 +10,8 @@ import numpy as np
 
 from surmount.tasks.curriculum import Box, Curriculum, Group, Level
 from surmount.tasks.distribution import TaskDistribution
-from surmount.teachers.catalogue import TeacherContext
+from surmount.teachers.catalogue import TeacherContext, TeachersConfig
+from surmount.teachers.given_groups import GivenGroupsConfig
 from surmount.teachers.teacher import Episodes, RolloutOutcome
 
 VARIANTS = np.linspace(0.0, 1.0, 21)[:, None]
@@ -105,4 +106,5 @@ def toy_context(*, seed: int = 0, total_steps: int = 10**6) -> TeacherContext:
         total_steps=total_steps,
         seed=seed,
         environments=9,
+        teachers=TeachersConfig(given_groups=GivenGroupsConfig(boundaries=(0.325, 0.675))),
     )

@@ -395,3 +395,51 @@ def test_an_unknown_teacher_names_the_nearest():
 def test_settings_out_of_range_are_refused(config, field):
     with pytest.raises(ConfigError, match=field):
         config()
+
+
+SOUND = {"episode_return": 1.0, "length": 10, "task": [0.5], "progress": 1.0}
+UNSOUND = [
+    ({"episode_return": np.nan}, r"return is nan \(task 0\.5\)"),
+    ({"episode_return": np.inf}, r"return is inf \(task 0\.5\)"),
+    ({"progress": np.nan}, r"progress is nan \(task 0\.5\)"),
+    ({"progress": 40.0}, r"progress is 40\.0 \(task 0\.5\)"),
+    ({"progress": -0.1}, r"progress is -0\.1 \(task 0\.5\)"),
+    ({"length": 0}, r"length is 0 \(task 0\.5\)"),
+    ({"task": [np.nan]}, r"task is \[nan\]"),
+    ({"task": [0.5, 0.5]}, r"task is \[0\.5, 0\.5\]"),
+    ({"covered": np.nan}, r"covered share is nan \(task 0\.5\)"),
+]
+
+
+@pytest.mark.parametrize("name", TEACHERS)
+def test_an_episode_that_nothing_can_be_learnt_from_is_refused_and_changes_nothing(name):
+    teacher = make_teacher(name, toy_context())
+    before = teacher.state_dict()
+    for unsound, sentence in UNSOUND:
+        with pytest.raises(InputError, match=f"An episode's {sentence}"):
+            teacher.update_on_episode(**SOUND | unsound, value_error=0.0)
+    assert teacher.state_dict() == before
+    teacher.update_on_episode(**SOUND, value_error=0.0)
+    assert teacher.state_dict() != before
+
+
+@pytest.mark.parametrize("name", TEACHERS)
+def test_a_rollout_with_such_an_episode_is_refused_as_a_whole(name):
+    teacher = make_teacher(name, toy_context())
+    before = teacher.state_dict()
+    outcome = ToyLearner(0).rollout(teacher.distribution(), 5)
+    task = outcome.episodes.variant[3, 0]
+    returns = np.where(np.arange(5) == 3, np.nan, outcome.episodes.reward)
+    lost = replace(outcome, episodes=replace(outcome.episodes, reward=returns))
+    with pytest.raises(InputError, match=f"return is nan \\(task {task}\\)"):
+        teacher.update_on_rollout(lost)
+    with pytest.raises(InputError, match="A reward of the roll-out is not finite"):
+        teacher.update_on_rollout(replace(outcome, rewards=outcome.rewards + np.nan))
+    assert teacher.state_dict() == before
+
+
+def test_a_task_with_one_value_for_two_parameters_is_refused():
+    cells = TaskCells(("x", "y"), np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]))
+    teacher = LearnabilityTeacher(cells, config=LearnabilityConfig(), **BUDGET)
+    with pytest.raises(InputError, match=r"task is \[1\.0\].*\(x, y\)"):
+        teacher.update_on_episode(1.0, 10, np.array([1.0]), 1.0)

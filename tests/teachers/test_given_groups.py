@@ -71,6 +71,20 @@ def test_boundaries_that_make_no_groups_are_refused_before_training(boundaries, 
         require_space("given-groups", STEP, teachers)
 
 
+def test_making_the_teacher_refuses_settings_that_do_not_fit_the_tasks():
+    """Without boundaries it made one group, and taught uniform tasks in silence."""
+    with pytest.raises(ConfigError, match=r"has no groups\. .* end on `x`"):
+        make_teacher("given-groups", replace(toy_context(), teachers=TeachersConfig()))
+
+
+@pytest.mark.parametrize("name", ["parameter-distance", "frontier-parameters"])
+def test_one_variant_has_no_distance_to_be_grouped_by(name):
+    context = toy_context()
+    one = replace(context, variants=VARIANTS[:1], success_rate=context.success_rate[:1])
+    with pytest.raises(ConfigError, match="distance of their parameters, and there is one"):
+        make_teacher(name, one)
+
+
 @pytest.mark.parametrize(
     "space",
     [

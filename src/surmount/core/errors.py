@@ -71,3 +71,8 @@ class LearningError(SurmountError):
     """Training cannot go on: a NaN policy, an exploding loss, a physics that keeps diverging."""
 
     exit_code = 7
+
+
+def cause(error: BaseException) -> str:
+    """Return the kind of an error and, where it has one, its sentence."""
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

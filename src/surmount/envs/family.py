@@ -41,6 +41,8 @@ class TaskFamily(ABC):
         Learning steps of the initiation at the paper's scale.
     calibrated
         What presets change for this family, by dotted keys of the experiment's configuration.
+    diverged_remedy
+        What to do where training ends because every episode diverges.
     """
 
     name: str
@@ -48,6 +50,10 @@ class TaskFamily(ABC):
     settings: type[Any] = NoSettings
     initial_steps: int = USUAL_INITIAL_STEPS
     calibrated: Mapping[str, Any] = MappingProxyType({})
+    diverged_remedy: str = (
+        "A reward or an observation is not finite: `surmount check` says which, of an environment "
+        "of your own."
+    )
 
     @abstractmethod
     def space(self, settings: Any) -> TaskSpace:

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
-from surmount.core.errors import ConfigError, InputError, SurmountError
-from surmount.envs.making import cause
+from surmount.core.errors import ConfigError, InputError, SurmountError, cause
 from surmount.envs.task_env import TaskEnv
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import gymnasium
 
-from surmount.core.errors import ConfigError, InputError, SurmountError
+from surmount.core.errors import ConfigError, InputError, SurmountError, cause
 from surmount.envs.task_env import TaskEnv
 
 
@@ -86,11 +86,6 @@ def time_limit(env: TaskEnv) -> int:
             "gymnasium.make.",
         )
     return registered
-
-
-def cause(error: BaseException) -> str:
-    """Return the kind of an error and, where it has one, its sentence."""
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
 def _needed(function: Callable[[], object]) -> list[str]:

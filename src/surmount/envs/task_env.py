@@ -12,7 +12,7 @@ import numpy as np
 
 from surmount.core.arrays import FloatArray
 from surmount.core.axis import AxisKind
-from surmount.core.errors import InputError
+from surmount.core.errors import InputError, SurmountError, cause
 from surmount.envs.observations import (
     add_task,
     is_finite,
@@ -53,8 +53,16 @@ SetTask = Callable[[gymnasium.Env[Any, Any], dict[str, Any]], None]
 Feature = str | Callable[[Transition], float]
 
 
+_PASSED_ON = (SurmountError, TimeoutError)
+"""What is said already; an alarm that rings while an environment works is no fault of it."""
+
+
 class UntoldSuccessError(InputError):
-    """An episode ended, and ``info`` does not hold the key that tells success."""
+    """Nothing says whether the goal was reached: a key is missing, or neither true nor false."""
+
+
+class UnusableStartError(InputError):
+    """An episode began with an observation that is not finite."""
 
 
 class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
@@ -80,7 +88,7 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         key under which ``reset(options=…)`` takes the task by name.
     success
         Whether the goal is reached at a moment; or the key of ``info`` that says so, which must be
-        there when an episode ends.
+        there when an episode ends. True or false, or a number that is 1 or 0.
     features
         What describes behaviour, by name: a number taken at a moment, or a key of ``info``.
     step_s
@@ -172,6 +180,13 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         """Begin an episode; ``options={"variant": …}`` sets its task instead of drawing it.
 
         A category is given by its name, or by its place among the names.
+
+        Raises
+        ------
+        UnusableStartError
+            If an observation is not finite: no network can act on it.
+        InputError
+            If the environment fails, with the task and the seed.
         """
         if seed is not None:
             self._rng = np.random.default_rng(seed)
@@ -188,11 +203,23 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         Raises
         ------
         UntoldSuccessError
-            If the episode ends and ``info`` does not hold the key that tells success.
+            If the episode ends and ``info`` does not hold the key that tells success, or what
+            tells it is neither true nor false.
+        InputError
+            If the environment fails, with the step, the task and the seed.
         """
+        number = len(self._actions) + 1
+        try:
+            return self._step(action)
+        except _PASSED_ON:
+            raise
+        except Exception as error:
+            raise self._failure(f"`step` {number}", error) from error
+
+    def _step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._actions.append(np.array(action))
-        reward = float(reward)  # type: ignore[arg-type]
+        reward = _one_number(reward, "The reward")
         diverged = not (math.isfinite(reward) and is_finite(observation))
         if diverged:
             self.unusable = observation
@@ -241,6 +268,16 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         self, task: FloatArray, episode_seed: int, options: dict[str, Any]
     ) -> tuple[Any, dict[str, Any]]:
         self._begin_record(task, episode_seed)
+        try:
+            return self._reset(task, episode_seed, options)
+        except _PASSED_ON:
+            raise
+        except Exception as error:
+            raise self._failure("`reset`", error) from error
+
+    def _reset(
+        self, task: FloatArray, episode_seed: int, options: dict[str, Any]
+    ) -> tuple[Any, dict[str, Any]]:
         named = self.space.named(task)
         if callable(self._set_task):
             self._set_task(self.env.unwrapped, named)
@@ -249,6 +286,8 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         observation, info = self.env.reset(seed=episode_seed, options=options or None)
         self._inner = self.env.unwrapped  # a wrapper may have chosen another one for the task
         self._observation = observation
+        if not is_finite(observation):
+            raise self._unusable_start(numbers(observation))
         transition = Transition(
             env=self._inner,
             observation=observation,
@@ -258,6 +297,24 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
             info=info,
         )
         return self._seen(observation), {**info, **self._judged(transition, diverged=False)}
+
+    def _failure(self, where: str, error: Exception) -> InputError:
+        return InputError(
+            f"The environment fails in {where} on task {self.space.described(self._task)}, seed "
+            f"{self._episode_seed} ({cause(error)}).",
+            remedy="Correct what it says; reset and step must not fail on any task.",
+        )
+
+    def _unusable_start(self, observed: FloatArray) -> UnusableStartError:
+        places = np.flatnonzero(~np.isfinite(observed))
+        return UnusableStartError(
+            f"After `reset`, observation {places[0]} is {observed[places[0]]} on task "
+            f"{self.space.described(self._task)}"
+            + (f", and {places.size - 1} more are not finite." if places.size > 1 else "."),
+            remedy="Let every observation be finite: clip what may be infinite, as a range "
+            "sensor without an echo is, to its range in an ObservationWrapper, as in "
+            "np.clip(observation, low, high).",
+        )
 
     def _take_space(self, space: TaskSpace) -> None:
         self.space = space
@@ -282,9 +339,9 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         values = [len(self._actions) * self.step_s]
         for name, feature in self._features.items():
             if callable(feature):
-                values.append(float(feature(transition)))
+                values.append(_one_number(feature(transition), f"The feature `{name}`"))
             elif feature in transition.info:
-                values.append(float(transition.info[feature]))
+                values.append(_one_number(transition.info[feature], f"The feature `{name}`"))
             else:
                 raise InputError(
                     f"The feature `{name}` is `info[{feature!r}]`, which is not there.",
@@ -300,14 +357,15 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
     def _reached(self, transition: Transition) -> bool:
         success = self._success
         if not isinstance(success, str):
-            return bool(success(transition))
+            return _true_or_false(success(transition), "What `success` returns", "share")
         if success not in transition.info and (transition.terminated or transition.truncated):
             raise UntoldSuccessError(
                 f"`info` holds no `{success}` when an episode ends.",
                 remedy=f"Let the environment put `{success}` into `info`, or give a function as "
                 "`success`.",
             )
-        return bool(transition.info.get(success, False))
+        told = transition.info.get(success, False)
+        return _true_or_false(told, f"`info[{success!r}]`", f't.info["{success}"]')
 
     def _seen(self, observation: Any) -> Any:
         if self._text:
@@ -323,6 +381,46 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         space = self.space
         ends = zip(space.axes, self._task, space.lower, space.upper, strict=True)
         return np.array([number for axis, *place in ends for number in axis.observed(*place)])
+
+
+def _one_number(value: Any, called: str) -> float:
+    """Return a number, or the one number of an array.
+
+    Raises
+    ------
+    InputError
+        If it is none, or several.
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        if isinstance(value, np.ndarray | list | tuple):
+            numbers_in = np.asarray(value, dtype=object).reshape(-1)
+            if numbers_in.size == 1:
+                return _one_number(numbers_in[0], called)
+        raise InputError(
+            f"{called} is {value!r}, not one number.",
+            remedy="Let it be a number at every moment; of an array say which entry.",
+        ) from None
+
+
+def _true_or_false(told: Any, called: str, share: str) -> bool:
+    """Return whether success was told; ``called`` and ``share`` are words for the error.
+
+    Raises
+    ------
+    UntoldSuccessError
+        If it is neither true nor false, nor one number that is 1 or 0.
+    """
+    if isinstance(told, bool | np.bool_):  # nearly always, and at every step
+        return bool(told)
+    number = np.asarray(told)
+    if number.dtype.kind in "biuf" and number.size == 1 and number.item() in (0, 1):
+        return bool(number.item())
+    raise UntoldSuccessError(
+        f"{called} is {told!r}, which is neither true nor false.",
+        remedy=f"Say from where on a share is success, as in `success=lambda t: {share} >= 1`.",
+    )
 
 
 def _listed(variant: Any) -> list[Any]:

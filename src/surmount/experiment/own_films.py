@@ -11,8 +11,8 @@ import numpy as np
 from PIL import Image
 
 from surmount.core.arrays import FloatArray
-from surmount.core.errors import ConfigError, InputError
-from surmount.envs.making import cause, time_limit
+from surmount.core.errors import ConfigError, InputError, cause
+from surmount.envs.making import time_limit
 from surmount.envs.observations import stacked
 from surmount.envs.own_family import OwnFamily
 from surmount.envs.screen import drawn_off_screen

@@ -229,6 +229,7 @@ def train(
             else None,
             log_folder=context.logs,
             regions=regions,
+            diverged_remedy=family.diverged_remedy,
         )
         return trainer.run(
             context.monitor,

@@ -39,8 +39,7 @@ from stable_baselines3.common.noise import (
 from stable_baselines3.common.vec_env import VecEnv
 
 from surmount.core.configuration import nearest
-from surmount.core.errors import ConfigError, MissingExtraError, SurmountError
-from surmount.envs.making import cause
+from surmount.core.errors import ConfigError, MissingExtraError, SurmountError, cause
 from surmount.envs.observations import is_image
 from surmount.learn.algorithm_names import CONTRIB, check_name, is_function
 from surmount.learn.encoders import SMALLEST_FOR_NATURE, SmallPictures, smallest_picture

@@ -15,11 +15,11 @@ import gymnasium
 import numpy as np
 from stable_baselines3.common.utils import set_random_seed
 
-from surmount.core.errors import InputError, SurmountError
+from surmount.core.errors import InputError, SurmountError, cause
 from surmount.core.seeds import derive_seed
 from surmount.envs.family import TaskFamily
 from surmount.envs.loading import load_function
-from surmount.envs.making import called, cause
+from surmount.envs.making import called
 from surmount.envs.observations import row
 from surmount.learn.learner import Acts
 from surmount.learn.rollout_config import RolloutConfig

@@ -14,9 +14,8 @@ import torch
 from onnx import helper
 from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 
-from surmount.core.errors import InputError
+from surmount.core.errors import InputError, cause
 from surmount.core.records import canonical_json, write_atomically
-from surmount.envs.making import cause
 from surmount.learn.model_state import wrappers
 from surmount.learn.snapshot import TRAINED_ON, Snapshot
 from surmount.learn.stable_actor import StableActor

@@ -22,8 +22,7 @@ from stable_baselines3.common.vec_env import (
     VecTransposeImage,
 )
 
-from surmount.core.errors import ConfigError, LearningError
-from surmount.envs.making import cause
+from surmount.core.errors import ConfigError, LearningError, cause
 from surmount.learn.algorithm_names import is_function
 from surmount.learn.algorithms import build_model
 from surmount.learn.experience import keeps_infos, put_experience, take_experience

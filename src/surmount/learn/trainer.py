@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from surmount.core.errors import ConfigError, InputError, LearningError
+from surmount.envs.family import TaskFamily
 from surmount.envs.vector_env import TaskVectorEnv
 from surmount.learn.choice import make_learner
 from surmount.learn.config import LearnerConfig
@@ -92,6 +93,8 @@ class Trainer:
         Where TensorBoard files go; none are written if ``None``.
     regions
         Groups whose weight and success are logged.
+    diverged_remedy
+        What to do where every episode diverges, as the family of tasks says it.
 
     Raises
     ------
@@ -112,7 +115,9 @@ class Trainer:
         memory: Snapshot | None = None,
         log_folder: Path | None = None,
         regions: Regions | None = None,
+        diverged_remedy: str = TaskFamily.diverged_remedy,
     ) -> None:
+        self._diverged_remedy = diverged_remedy
         self._regions = regions
         self._recorder = Recorder(env)
         self._teacher = teacher
@@ -227,7 +232,7 @@ class Trainer:
             raise LearningError(
                 f"Every episode of the last {MOST_IN_A_ROW} roll-outs ended because the physics "
                 f"diverged, last at {self._recorder.steps:,} steps.",
-                remedy="Shorten the physics step, `env.robot.physics_step_s`.",
+                remedy=self._diverged_remedy,
             )
 
     def _push_distribution(self) -> None:

@@ -19,7 +19,7 @@ from surmount.envs.vector_env import TaskVectorEnv
 from surmount.rstar.course.config import EnvConfig
 from surmount.rstar.course.kinds import AXES, KINDS, PARAMETERS, hardness
 from surmount.rstar.course.obstacles import OBSTACLES
-from surmount.rstar.family import CALIBRATED, INITIAL_STEPS
+from surmount.rstar.family import CALIBRATED, DIVERGED_REMEDY, INITIAL_STEPS
 from surmount.tasks.space import TaskSpace
 
 
@@ -30,6 +30,7 @@ class AllObstaclesFamily(TaskFamily):
     title = "RSTAR and all three obstacles"
     settings = EnvConfig
     calibrated = CALIBRATED
+    diverged_remedy = DIVERGED_REMEDY
     initial_steps = sum(INITIAL_STEPS.values())
     """As many as those of the three obstacles together (paper III-C)."""
 

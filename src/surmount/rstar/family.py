@@ -31,6 +31,9 @@ INITIAL_STEPS = {"narrow-channel": 500_000, "low-entrance": 500_000, "step": 1_0
 """Learning steps of the initiation (paper III-C)."""
 
 
+DIVERGED_REMEDY = "Shorten the physics step, `env.robot.physics_step_s`."
+
+
 class ObstacleFamily(TaskFamily):
     """The variants of one of RSTAR's obstacles (paper III-C).
 
@@ -44,6 +47,7 @@ class ObstacleFamily(TaskFamily):
 
     settings = EnvConfig
     calibrated = CALIBRATED
+    diverged_remedy = DIVERGED_REMEDY
 
     def __init__(self, obstacle: Obstacle) -> None:
         self.obstacle = obstacle

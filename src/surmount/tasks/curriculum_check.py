@@ -11,6 +11,7 @@ import numpy as np
 from surmount.core.axis import CONTINUOUS, Axes, Axis, AxisKind, axes_from_record
 from surmount.core.errors import InputError
 from surmount.core.names import is_printable
+from surmount.tasks.group_places import place_problems
 
 SCHEMA = 1
 SCHEMA_OF_AXES = 2
@@ -50,8 +51,10 @@ def curriculum_problems(record: Mapping[str, Any]) -> list[str]:
     levels: Any = record.get("levels")
     if not _is_list(groups, _is_object) or not groups:
         return [*problems, "`groups` is not a list of groups"]
+    about_groups: list[str] = []
     for index, group in enumerate(groups):
-        problems += _group_problems(group, f"groups[{index}]", axes)
+        about_groups += _group_problems(group, f"groups[{index}]", axes)
+    problems += about_groups or place_problems(groups, axes)
     names = [group.get("name") for group in groups if _is_name(group.get("name"))]
     if len(set(names)) < len(names):
         problems.append("two groups have the same name")
@@ -164,6 +167,8 @@ def _level_problems(level: Mapping[str, Any], place: str, names: list[Any]) -> l
         problems.append(f"`{place}.weights` sum to {sum(weights.values()):g}, not to 1")
     elif any(_vanishes(weight, 1.0) for weight in weights.values()):
         problems.append(f"`{place}.weights` have {_TOO_SMALL}")
+    elif level.get("dominant") in names and not weights.get(level["dominant"]):
+        problems.append(f"`{place}.dominant` is {level['dominant']!r}, whose weight is 0")
     return problems
 
 

@@ -217,6 +217,11 @@ class TaskSpace:
         """Return a task for people, without the names of its parameters."""
         return variant_text(self.axes, task)
 
+    def described(self, task: FloatArray) -> str:
+        """Return a task for people, each value with the name of its parameter."""
+        values = zip(self.parameters, self.axes, task.tolist(), strict=True)
+        return ", ".join(f"{name}={axis.text(stored)}" for name, axis, stored in values)
+
 
 def describe_range(space: TaskSpace, index: int) -> str:
     """Return a parameter with its range and what it is, for people."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,44 @@ class EndedEpisode:
     env_id: int | None
     value_error: float | None
     covered: float | None = None
+
+    def require_sound(self, parameters: Sequence[str] | None) -> None:
+        """Refuse what no teacher can learn from: it would decide nothing, or the reverse.
+
+        Parameters
+        ----------
+        parameters
+            Names of the task parameters; ``None`` where nobody knows them.
+
+        Raises
+        ------
+        InputError
+            If the task is not one number per parameter, the return or the share covered is not
+            finite, the progress is not from 0 to 1, or no decision was made.
+        """
+        task = self.task.tolist()
+        if not all(map(math.isfinite, task)) or len(task) != len(parameters or task):
+            raise InputError(
+                f"An episode's task is {task}.",
+                remedy="Give its task as it was drawn: one finite number per parameter"
+                + (f" ({', '.join(parameters)})." if parameters else "."),
+            )
+        if not math.isfinite(self.episode_return):
+            raise self._unsound("return", self.episode_return, _DIVERGED)
+        if not 0.0 <= self.progress <= 1.0:
+            raise self._unsound("progress", self.progress, _SHARE)
+        if self.length < 1:
+            raise self._unsound("length", self.length, "Tell of episodes of at least one decision.")
+        if self.covered is not None and not math.isfinite(self.covered):
+            raise self._unsound("covered share", self.covered, _DIVERGED)
+
+    def _unsound(self, what: str, value: float, remedy: str) -> InputError:
+        task = ", ".join(map(str, self.task.tolist()))
+        return InputError(f"An episode's {what} is {value} (task {task}).", remedy=remedy)
+
+
+_DIVERGED = "Leave out episodes that diverged, or give what they had got until then."
+_SHARE = "Give 1 where it reached its goal, 0 where it did not, or a share in between."
 
 
 class BaseTeacher(ABC):
@@ -101,7 +141,13 @@ class BaseTeacher(ABC):
         value_error: float | None = None,
         covered: float | None = None,
     ) -> None:
-        """Take one episode that ended; see :class:`surmount.teachers.teacher.Teacher`."""
+        """Take one episode that ended; see :class:`surmount.teachers.teacher.Teacher`.
+
+        Raises
+        ------
+        InputError
+            If nothing can be learnt from it, see :meth:`EndedEpisode.require_sound`.
+        """
         episode = EndedEpisode(
             episode_return=float(episode_return),
             length=int(length),
@@ -111,17 +157,24 @@ class BaseTeacher(ABC):
             value_error=None if value_error is None else float(value_error),
             covered=None if covered is None else float(covered),
         )
-        rewards = np.full(episode.length, episode.episode_return / max(episode.length, 1))
+        self._require_sound([episode])
+        rewards = np.full(episode.length, episode.episode_return / episode.length)
         self.take_steps(rewards, np.array([episode.length]), [episode])
 
     def update_on_rollout(self, outcome: RolloutOutcome) -> LevelTest | None:
-        """Take a roll-out, its episodes in the order in which they ended."""
+        """Take a roll-out, its episodes in the order in which they ended.
+
+        Raises
+        ------
+        InputError
+            If a reward is not finite, or nothing can be learnt from an episode; then nothing is.
+        """
         ended, errors = outcome.episodes, outcome.value_errors
         episodes = [
             EndedEpisode(
                 episode_return=float(ended.reward[index]),
                 length=int(ended.length[index]),
-                task=ended.variant[index],
+                task=ended.variant[index].reshape(-1),
                 progress=float(ended.success[index]),
                 env_id=None,
                 value_error=None if errors is None else float(errors[index]),
@@ -129,6 +182,13 @@ class BaseTeacher(ABC):
             )
             for index in range(ended.step.size)
         ]
+        self._require_sound(episodes)
+        if not np.isfinite(outcome.rewards).all():
+            raise InputError(
+                "A reward of the roll-out is not finite.",
+                remedy="End an episode before its state is no longer finite, as "
+                "`surmount.TaskEnv` does.",
+            )
         return self.take_steps(outcome.rewards, ended.step - outcome.steps_before, episodes)
 
     def state_dict(self) -> dict[str, Any]:
@@ -165,6 +225,16 @@ class BaseTeacher(ABC):
         self._steps = int(state["steps"])
         # Not in states from before tasks could be drawn by hand.
         self.draws.calls = int(state.get("draws", self.draws.calls))
+
+    @cached_property
+    def _parameters(self) -> tuple[str, ...]:
+        return tuple(self.distribution().parameters)
+
+    def _require_sound(self, episodes: Sequence[EndedEpisode]) -> None:
+        # A teacher without levels is finished at once and has no distribution.
+        parameters = None if self.finished else self._parameters
+        for episode in episodes:
+            episode.require_sound(parameters)
 
     @abstractmethod
     def _state(self) -> dict[str, Any]:

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypedDict
 
+import numpy as np
+
 from surmount.analysis.configuration import AnalysisConfig
 from surmount.core.arrays import FloatArray
 from surmount.core.configuration import nearest
@@ -134,6 +136,19 @@ class TeacherContext:
         """One cell per variant."""
         return TaskCells(self.curriculum.parameters, self.variants, self.curriculum.axes)
 
+    @property
+    def space(self) -> TaskSpace:
+        """What the teacher's method and settings must fit."""
+        whole, variants = self.whole_range, self.variants
+        return TaskSpace(
+            parameters=self.curriculum.parameters,
+            lower=np.minimum(whole.lower.min(axis=0), variants.min(axis=0)),
+            upper=np.maximum(whole.upper.max(axis=0), variants.max(axis=0)),
+            variants=variants,
+            harder=self.harder,
+            axes=self.curriculum.axes,
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
@@ -206,8 +221,10 @@ def make_teacher(name: str, context: TeacherContext) -> Teacher:
     Raises
     ------
     ConfigError
-        If there is none of this name, or it needs levels and the curriculum has none.
+        If there is none of this name, it needs levels and the curriculum has none, or it cannot do
+        with these tasks, see :func:`require_space`.
     """
+    require_space(name, context.space, context.teachers)
     return find_teacher(name).make(context)
 
 
@@ -239,6 +256,14 @@ def find_teacher(name: str) -> Entry:
     if name not in TEACHERS:
         raise ConfigError(f"Unknown teacher `{name}`.", remedy=nearest(name, [*TEACHERS]))
     return TEACHERS[name]
+
+
+def _require_distances_of_variants(_: TeachersConfig, space: TaskSpace) -> None:
+    if len(space.variants) == 1:
+        raise ConfigError(
+            "Variants are to be grouped by the distance of their parameters, and there is one.",
+            remedy="Give several variants, or choose another teacher.",
+        )
 
 
 def _levels(curriculum: Curriculum, context: TeacherContext) -> Teacher:
@@ -359,6 +384,7 @@ TEACHERS = {
         source=f"ablation of {_PAPER}",
         make=_parameter_distance,
         by_trials=True,
+        require=_require_distances_of_variants,
     ),
     "given-groups": Entry(
         title="groups that are given",
@@ -434,6 +460,7 @@ TEACHERS = {
         source="ablation of the frontier: no behaviour",
         make=_frontier_parameters,
         by_trials=True,
+        require=_require_distances_of_variants,
     ),
     "sgs": Entry(title="success-guided sampling", source="arXiv:2610.12465", make=_sgs),
     "currot": Entry(
