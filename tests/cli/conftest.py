@@ -8,7 +8,7 @@ from surmount.rstar.film.film import FilmConfig
 SMALL = FilmConfig(width_px=64, height_px=48, fps=4)
 
 
-@pytest.fixture(autouse=True, scope="package")
+@pytest.fixture(autouse=True, scope="module")
 def _small_films():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(run_films, "LARGE", (SMALL, SMALL))

@@ -100,7 +100,13 @@ def test_the_state_of_another_teacher_or_of_other_tasks_is_refused(name):
                 teacher.load_state_dict(make_teacher(other, toy_context()).state_dict())
     context = toy_context()
     groups = tuple(
-        replace(group, boxes=tuple(replace(box, upper=2 * box.upper) for box in group.boxes))
+        replace(
+            group,
+            variants=2 * group.variants,
+            boxes=tuple(
+                replace(box, lower=2 * box.lower, upper=2 * box.upper) for box in group.boxes
+            ),
+        )
         for group in context.curriculum.groups
     )
     moved = replace(

@@ -358,13 +358,15 @@ class TaskEnv(gymnasium.Wrapper[Any, Any, Any, Any]):
         success = self._success
         if not isinstance(success, str):
             return _true_or_false(success(transition), "What `success` returns", "share")
-        if success not in transition.info and (transition.terminated or transition.truncated):
+        told = transition.info.get(success)
+        if told is None and not (transition.terminated or transition.truncated):
+            return False
+        if told is None:
             raise UntoldSuccessError(
                 f"`info` holds no `{success}` when an episode ends.",
                 remedy=f"Let the environment put `{success}` into `info`, or give a function as "
                 "`success`.",
             )
-        told = transition.info.get(success, False)
         return _true_or_false(told, f"`info[{success!r}]`", f't.info["{success}"]')
 
     def _seen(self, observation: Any) -> Any:
