@@ -26,8 +26,10 @@ from surmount.studies.teachers.outcomes import NOTHING, Outcome, judged_variants
 from surmount.studies.teachers.plan import ORACLE, REFERENCE, TaskPlan
 from surmount.teachers.catalogue import find_teacher
 
-LEVEL = 0.05
-"""Two-sided level of all tests, after Holm."""
+LOOKS = 2
+"""How often p values are looked at: where time runs out, and at the last planned network."""
+LEVEL = 0.05 / LOOKS
+"""Two-sided level of all tests, after Holm, at each look."""
 MARGIN = 0.05
 """Loss of mean success that counts as no harm."""
 HARD_SHARE = 0.25

@@ -12,7 +12,7 @@ from surmount.report.document.parts import Block, Column, Document, Paragraph, S
 from surmount.report.document.text import SPACE, counted, listed, percent
 from surmount.report.writing import write_document
 from surmount.studies.teachers.figure import differences_figure
-from surmount.studies.teachers.judging import MARGIN, has_headroom
+from surmount.studies.teachers.judging import LEVEL, MARGIN, has_headroom
 from surmount.studies.teachers.reading import answer, difference, points, readings, verdict
 from surmount.studies.teachers.returns import EPISODES
 
@@ -109,8 +109,9 @@ def _choice_table(task: Record) -> Table:
                 "interval over networks. Worst quarter: of the mean over each network's worst "
                 "quarter of variants, points. Better: probability that a network beats one of "
                 "uniform tasks on a variant. p: Wilcoxon's, by Holm over all comparisons on "
-                "held-out tasks with headroom. Detectable: what a paired t-test finds in four of "
-                f"five cases, points. No harm: the interval lies above −{100 * MARGIN:.0f} points."
+                f"held-out tasks with headroom; it must be below {100 * LEVEL:g} %, for these are "
+                "looked at twice. Detectable: what a paired t-test finds in four of five cases, "
+                f"points. No harm: the interval lies above −{100 * MARGIN:.0f} points."
             ),
         ),
     )
