@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from surmount.report.document.text import MINUS, listed
+from surmount.report.document.text import MINUS, counted, listed
 from surmount.studies.teachers.judging import ABLATED, LEVEL, MARGIN, has_headroom
 
 Verdict = Literal["helps", "harms", "no harm", "not sure", "not run"]
@@ -73,9 +73,8 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     ]
     if won:
         first = (
-            f"Over uniform tasks {listed([titles[name] for name in won])} "
-            f"{'helps' if len(won) == 1 else 'help'} on at least one held-out task and "
-            f"{'harms' if len(won) == 1 else 'harm'} on none: {listed(_helped(judged, won))}."
+            "Over uniform tasks these help, and harm on no task that was run: "
+            f"{listed(_helped(judged, won))}."
         )
     elif not compared:
         first = "No teacher has been run beside uniform tasks yet: this is the headroom alone."
@@ -104,9 +103,10 @@ def answer(tasks: Sequence[Record]) -> list[str]:
     ]
     if open_:
         largest, where = max(open_)
+        which = "it" if len(open_) == 1 else "the least of them"
         third = (
-            f"{len(open_)} comparisons are not sure; the least of them could have found "
-            f"{100 * largest:.0f} points ({where})."
+            f"{counted(len(open_), 'comparison')} {'is' if len(open_) == 1 else 'are'} not sure; "
+            f"{which} could have found {100 * largest:.0f} points ({where})."
         )
     else:
         third = "No comparison is left unsure."
@@ -196,12 +196,22 @@ def _ablated(title: str, meant: str, found: Record) -> str:
 
 
 def _helped(tasks: Sequence[Record], names: Sequence[str]) -> list[str]:
-    return [
-        f"{teacher['title']} by {gain(teacher['against'])} on {task['title']}"
-        for task in tasks
-        for teacher in task["teachers"]
-        if teacher["name"] in names and verdict(teacher) == "helps"
-    ]
+    """Say for each task which of some teachers help there, and by how much, the most first."""
+    said: list[str] = []
+    for task in tasks:
+        helping = sorted(
+            (one for one in task["teachers"] if one["name"] in names and verdict(one) == "helps"),
+            key=lambda one: -one["against"]["mean"]["estimate"],
+        )
+        if helping:
+            gains = [f"{one['title']} by {points(_mean(one))}" for one in helping]
+            pairs = helping[0]["against"]["networks"]
+            said.append(f"on {task['title']} {listed(gains)} points ({pairs} networks)")
+    return said
+
+
+def _mean(teacher: Record) -> float:
+    return float(teacher["against"]["mean"]["estimate"])
 
 
 def gain(found: Record) -> str:
