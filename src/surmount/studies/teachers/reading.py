@@ -62,7 +62,6 @@ def _wins(tasks: Sequence[Record], name: str) -> bool:
 
 def answer(tasks: Sequence[Record]) -> list[str]:
     """Return the answer: who wins, where there was nothing to win, and what is not sure."""
-    titles = {teacher["name"]: teacher["title"] for task in tasks for teacher in task["teachers"]}
     won = winners(tasks)
     judged = [task for task in tasks if task["role"] == "held out"]
     compared = [
