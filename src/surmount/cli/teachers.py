@@ -63,14 +63,18 @@ def teachers(
             remedy=f"Choose among {', '.join(one.label for one in plans)}.",
         )
     chosen = [one for one in plans if not tasks or one.label in tasks]
-    earlier, others = ({}, []) if measured is None else read_earlier(measured, plans)
+    earlier, others = (
+        ({one.label: NOTHING for one in plans}, [])
+        if measured is None
+        else read_earlier(measured, plans)
+    )
     console = SafeConsole()
     for sentence in others:
         console.print(sentence)
     graph = comparison_stages(
         chosen,
         headroom_only=headroom,
-        known=lambda plan, teacher, network: earlier.get(plan.label, NOTHING).has(teacher, network),
+        known=lambda plan, teacher, network: earlier[plan.label].has(teacher, network),
     )
     with sole_user(out):
         outcome = run_graph(
@@ -79,9 +83,7 @@ def teachers(
         record = judge(
             plans,
             {
-                one.label: measured_in(one, outcome.artefacts).with_earlier(
-                    earlier.get(one.label, NOTHING)
-                )
+                one.label: measured_in(one, outcome.artefacts).with_earlier(earlier[one.label])
                 for one in plans
             },
         )

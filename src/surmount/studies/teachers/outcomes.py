@@ -186,7 +186,7 @@ def read_earlier(path: Path, plans: tuple[TaskPlan, ...]) -> tuple[dict[str, Out
     Returns
     -------
     outcomes
-        By the task's label.
+        By the task's label, of every task.
     others
         A sentence for each teacher whose networks were measured in another way.
 
@@ -202,7 +202,7 @@ def read_earlier(path: Path, plans: tuple[TaskPlan, ...]) -> tuple[dict[str, Out
             f"{path} does not hold the networks of a comparison of teachers ({error}).",
             remedy="Give the comparison.json that `surmount teachers` of this version wrote.",
         ) from error
-    found: dict[str, Outcome] = {}
+    found = {plan.label: NOTHING for plan in plans}
     others: list[str] = []
     for plan in plans:
         for task in tasks:

@@ -13,7 +13,14 @@ from surmount.report.document.text import SPACE, counted, listed, percent
 from surmount.report.writing import write_document
 from surmount.studies.teachers.figure import differences_figure
 from surmount.studies.teachers.judging import LEVEL, MARGIN, has_headroom
-from surmount.studies.teachers.reading import answer, difference, points, readings, verdict
+from surmount.studies.teachers.reading import (
+    answer,
+    best_first,
+    difference,
+    points,
+    readings,
+    verdict,
+)
 from surmount.studies.teachers.returns import EPISODES
 
 NAME = "comparison"
@@ -37,7 +44,7 @@ def document_of(record: Record) -> Document:
             "their reading were fixed before the runs (plan.md)."
         ),
         *([] if (figure := differences_figure(tasks)) is None else [figure]),
-        *(_choice_table(task) for task in tasks if _compared(task)),
+        *(_choice_table(task) for task in tasks if best_first(task)),
         *([] if (ablations := _ablation_table(tasks)) is None else [ablations]),
         *(Paragraph(text=said) for said in readings(tasks)),
     ]
@@ -68,12 +75,6 @@ def _most(task: Record) -> int:
     return max((len(teacher["judged"]) for teacher in task["teachers"]), default=0)
 
 
-def _compared(task: Record) -> list[Record]:
-    """Return the teachers that stand beside the reference, the best first."""
-    compared = [teacher for teacher in task["teachers"] if teacher["against"]]
-    return sorted(compared, key=lambda teacher: -teacher["against"]["mean"]["estimate"])
-
-
 def _choice_table(task: Record) -> Table:
     rows = [
         (
@@ -86,7 +87,7 @@ def _choice_table(task: Record) -> Table:
             _detectable(found),
             str(found["networks"]),
         )
-        for teacher in _compared(task)
+        for teacher in best_first(task)
         if (found := teacher["against"])
     ]
     return Table(

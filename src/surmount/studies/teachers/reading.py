@@ -198,19 +198,22 @@ def _helped(tasks: Sequence[Record], names: Sequence[str]) -> list[str]:
     """Say for each task which of some teachers help there, and by how much, the most first."""
     said: list[str] = []
     for task in tasks:
-        helping = sorted(
-            (one for one in task["teachers"] if one["name"] in names and verdict(one) == "helps"),
-            key=lambda one: -one["against"]["mean"]["estimate"],
-        )
+        helping = [
+            one for one in best_first(task) if one["name"] in names and verdict(one) == "helps"
+        ]
         if helping:
-            gains = [f"{one['title']} by {points(_mean(one))}" for one in helping]
+            gains = [
+                f"{one['title']} by {points(one['against']['mean']['estimate'])}" for one in helping
+            ]
             pairs = helping[0]["against"]["networks"]
             said.append(f"on {task['title']} {listed(gains)} points ({pairs} networks)")
     return said
 
 
-def _mean(teacher: Record) -> float:
-    return float(teacher["against"]["mean"]["estimate"])
+def best_first(task: Record) -> list[Record]:
+    """Return the teachers that stand beside the reference on a task, by what they gain."""
+    compared = [teacher for teacher in task["teachers"] if teacher["against"]]
+    return sorted(compared, key=lambda teacher: -teacher["against"]["mean"]["estimate"])
 
 
 def gain(found: Record) -> str:
